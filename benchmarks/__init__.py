@@ -1,0 +1,1 @@
+"""Honest tables: episodes as rows, results that resume, intervals, difficulty gates."""

@@ -1,0 +1,204 @@
+"""The command ``icd-bench``. Heavy imports happen inside the commands, so that help is quick."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+FINE, FAILED_EPISODES, USAGE, INCOMPATIBLE, INTERRUPTED = 0, 1, 2, 3, 130
+
+main = typer.Typer(
+    help="Run agents on the Implicit Contact Diffuser tasks and print honest tables.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+Workers = Annotated[int, typer.Option(min=1, help="Processes to spread the episodes over.")]
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON, and only JSON, on stdout.")]
+
+
+@main.command(name="list")
+def list_() -> None:
+    """List agents, environments, suites and gates."""
+    with _errors_in_one_line():
+        from benchmarks.gates import GATES
+        from benchmarks.registry import AGENTS
+        from benchmarks.suites import SUITES
+        from benchmarks.tables import print_rows
+        from icd_envs.registration import ENV_IDS
+
+    rows = [("agent", name, spec) for name, spec in AGENTS.items()]
+    rows.append(("agent", "module:attr", "yours: a class or factory without arguments"))
+    rows += [("env", env_id, "") for env_id in ENV_IDS]
+    rows += [
+        (
+            "suite",
+            suite.name,
+            f"v{suite.version}: {suite.episodes} episodes of {len(suite.env_ids)} env",
+        )
+        for suite in SUITES.values()
+    ]
+    rows += [("gates", env_id, ", ".join(g.name for g in gates)) for env_id, gates in GATES.items()]
+    print_rows(("kind", "name", "what"), rows)
+
+
+@main.command()
+def run(
+    agent: Annotated[list[str], typer.Option(help="Name or module:attr; repeatable.")],
+    env: Annotated[list[str] | None, typer.Option(help="Environment id; repeatable.")] = None,
+    suite: Annotated[
+        str | None, typer.Option(help="Suite of environments and episodes [default: quick].")
+    ] = None,
+    episodes: Annotated[int | None, typer.Option(min=1, help="Episodes per pair.")] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Base seed of all episodes.")] = 0,
+    workers: Workers = 1,
+    out: Annotated[
+        Path | None, typer.Option(help="Results folder [default: runs/<UTC time>].")
+    ] = None,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on with the results in --out.")
+    ] = False,
+    as_json: AsJson = False,
+) -> None:
+    """Run agents, one row per episode, and print the table."""
+    _import_from_working_directory()
+    with _errors_in_one_line():
+        from benchmarks import progress, registry, results, runner
+        from benchmarks.plan import Plan
+        from benchmarks.suites import find_suite
+        from icd_envs.errors import InvalidOptionError
+
+        chosen = find_suite(suite or "quick")
+        plan = Plan(
+            agents=tuple(dict.fromkeys(agent)),
+            envs=tuple(dict.fromkeys(env or chosen.env_ids)),
+            episodes=episodes or chosen.episodes,
+            seed=seed,
+        )
+        for env_id in plan.envs:
+            registry.check_env_id(env_id)
+        for name in plan.agents:
+            registry.agent_factory(name)
+        if resume and out is None:
+            raise InvalidOptionError("--resume needs --out: name the folder to go on with")
+        folder = out or results.new_folder(Path("runs"))
+        typer.echo(f"results: {folder}", err=True)
+        interrupted = False
+        try:
+            runner.run(
+                plan,
+                folder,
+                runner.episodes(workers),
+                workers=workers,
+                resume=resume,
+                watch=progress.watching("episodes"),
+            )
+        except KeyboardInterrupt:
+            interrupted = True
+            typer.echo(f"interrupted; go on with --out '{folder}' --resume", err=True)
+        errors = _print_report([folder], as_json=as_json)
+    raise typer.Exit(INTERRUPTED if interrupted else FAILED_EPISODES if errors else FINE)
+
+
+@main.command()
+def report(
+    folders: Annotated[list[Path], typer.Argument(metavar="DIR...", help="Results folders.")],
+    as_json: AsJson = False,
+) -> None:
+    """Print the table of results folders."""
+    with _errors_in_one_line():
+        _print_report(folders, as_json=as_json)
+
+
+@main.command()
+def gates(
+    env: Annotated[str, typer.Option(help="Environment id.")],
+    only: Annotated[list[str] | None, typer.Option(help="Gate; repeatable.")] = None,
+    workers: Workers = 1,
+    out: Annotated[
+        Path | None, typer.Option(help="Results folder [default: runs/gates-<env>].")
+    ] = None,
+    resume: Annotated[bool, typer.Option(help="Go on with the results in --out.")] = True,
+    as_json: AsJson = False,
+) -> None:
+    """Check that a task is neither too easy nor too hard."""
+    with _errors_in_one_line():
+        from benchmarks import progress
+        from benchmarks.gates import gates_of, run_gates
+        from benchmarks.tables import print_verdicts
+
+        chosen = gates_of(env, only or ())
+        folder = out or Path("runs") / f"gates-{env}"
+        typer.echo(f"results: {folder}", err=True)
+        try:
+            verdicts = run_gates(
+                env, chosen, folder, workers=workers, resume=resume, watch=progress.watching
+            )
+        except KeyboardInterrupt:
+            typer.echo("interrupted; the same command goes on", err=True)
+            raise typer.Exit(INTERRUPTED) from None
+    if as_json:
+        typer.echo(json.dumps({name: verdict.record() for name, verdict in verdicts.items()}))
+    else:
+        print_verdicts(chosen, verdicts)
+    raise typer.Exit(FINE if all(v.ok for v in verdicts.values()) else FAILED_EPISODES)
+
+
+@main.command()
+def perf(
+    repeats: Annotated[int, typer.Option(min=1, help="Interleaved repeats; medians.")] = 5,
+    as_json: AsJson = False,
+) -> None:
+    """Measure physics and planner on this machine."""
+    with _errors_in_one_line():
+        from benchmarks.perf.report import measure
+        from benchmarks.tables import print_mapping
+
+        values = measure(repeats)
+    if as_json:
+        typer.echo(json.dumps(values))
+    else:
+        print_mapping(values)
+
+
+def _print_report(folders: list[Path], *, as_json: bool) -> int:
+    """Print the table and return the number of episodes with an error."""
+    from benchmarks import report as reporting
+    from benchmarks.tables import print_summaries
+
+    summaries = reporting.report(folders)
+    if as_json:
+        typer.echo(json.dumps([summary.record() for summary in summaries]))
+    else:
+        print_summaries(summaries)
+    return sum(summary.errors for summary in summaries)
+
+
+def _import_from_working_directory() -> None:
+    """Let ``module:attr`` name a file beside the user; installed packages come first."""
+    if os.getcwd() not in sys.path and "" not in sys.path:
+        sys.path.append(os.getcwd())
+
+
+@contextmanager
+def _errors_in_one_line() -> Iterator[None]:
+    """Say what our errors and warnings say, without a traceback, and exit as documented."""
+    from benchmarks.errors import IncompatibleResultsError
+    from icd_envs.errors import IcdError
+
+    warnings.formatwarning = lambda message, *_: f"icd-bench: warning: {message}\n"
+    try:
+        yield
+    except IcdError as error:
+        typer.echo(f"icd-bench: {' '.join(str(error).split())}", err=True)
+        code = INCOMPATIBLE if isinstance(error, IncompatibleResultsError) else USAGE
+        raise typer.Exit(code) from None

@@ -1,0 +1,139 @@
+"""Run one episode in this process and say how it ended."""
+
+from __future__ import annotations
+
+import traceback
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+
+import icd_envs  # noqa: F401  registers our ids
+from benchmarks.plan import Job
+from benchmarks.registry import make_agent
+from benchmarks.rows import Row, error_row
+from icd_envs.api import Agent, Episode
+
+
+@dataclass
+class _Kept:
+    """What a worker process keeps between episodes; scenes and weights are slow to load."""
+
+    envs: dict[str, gym.Env[Any, Any]] = field(default_factory=dict)
+    agents: dict[str, Agent] = field(default_factory=dict)
+
+    def env(self, env_id: str) -> gym.Env[Any, Any]:
+        if env_id not in self.envs:
+            self.envs[env_id] = gym.make(env_id, split="test", disable_env_checker=True)
+        return self.envs[env_id]
+
+    def agent(self, name: str) -> Agent:
+        if name not in self.agents:
+            self.agents[name] = make_agent(name)
+        return self.agents[name]
+
+    def drop(self, job: Job) -> None:
+        """Forget agent and environment of a job that went wrong: their state is unknown."""
+        self.agents.pop(job.agent, None)
+        env = self.envs.pop(job.env, None)
+        if env is not None:
+            with suppress(Exception):
+                env.close()
+
+
+@dataclass
+class _Tally:
+    """How far an episode has come."""
+
+    doing: str = "making the environment"
+    steps: int = 0
+    return_: float = 0.0
+    act_seconds: float = 0.0
+    privileged: bool = False
+
+
+_kept = _Kept()
+
+
+def run_episode(job: Job, threads: int = 1) -> Row:
+    """Run one episode; whatever agent or environment do wrong becomes a row of status "error".
+
+    Args:
+        job: which agent, environment and seed.
+        threads: threads that the agent's simulator may use.
+    """
+    start = perf_counter()
+    tally = _Tally()
+    try:
+        info = _play(job, threads, tally)
+        return Row(
+            agent=job.agent,
+            env=job.env,
+            index=job.index,
+            seed=job.seed,
+            status="ok",
+            success=bool(info["is_success"]),
+            complete=float(info["complete_rate"]),
+            steps=tally.steps,
+            return_=tally.return_,
+            diverged=bool(info["diverged"]),
+            message="",
+            seconds=perf_counter() - start,
+            act_seconds=tally.act_seconds / max(1, tally.steps),
+            privileged=tally.privileged,
+        )
+    except (Exception, SystemExit) as error:
+        _kept.drop(job)
+        return error_row(
+            job,
+            f"{tally.doing}, step {tally.steps}: {_reason(error)}",
+            steps=tally.steps,
+            return_=tally.return_,
+            seconds=perf_counter() - start,
+            act_seconds=tally.act_seconds / max(1, tally.steps),
+            privileged=tally.privileged,
+        )
+
+
+def _play(job: Job, threads: int, tally: _Tally) -> dict[str, Any]:
+    """Act until the episode ends and return its last info."""
+    env = _kept.env(job.env)
+    tally.doing = "making the agent"
+    agent = _kept.agent(job.agent)
+    simulator = bool(getattr(agent, "needs_simulator", False))
+    oracle = bool(getattr(agent, "needs_oracle", False))
+    tally.privileged = simulator or oracle
+
+    tally.doing = "resetting the environment"
+    observation, _ = env.reset(seed=job.seed)
+    unwrapped: Any = env.unwrapped
+    episode: Episode = unwrapped.episode(simulator=simulator, oracle=oracle, threads=threads)
+    tally.doing = "resetting the agent"
+    agent.reset(episode, job.seed)
+
+    for _ in range(episode.max_steps):
+        tally.doing = "act"
+        given = {name: np.array(value) for name, value in observation.items()}
+        before = perf_counter()
+        action = agent.act(given)  # type: ignore[arg-type]
+        tally.act_seconds += perf_counter() - before
+        tally.doing = "env.step"
+        observation, reward, terminated, truncated, info = env.step(action)
+        tally.steps += 1
+        tally.return_ += float(reward)
+        if terminated or truncated:
+            tally.doing = "reading the last info"
+            return info
+    raise RuntimeError(f"the episode did not end within its max_steps={episode.max_steps}")
+
+
+def _reason(error: BaseException) -> str:
+    """One line: type, text and the place it was raised at."""
+    frames = traceback.extract_tb(error.__traceback__)
+    place = f" ({Path(frames[-1].filename).name}:{frames[-1].lineno})" if frames else ""
+    text = " ".join(str(error).split())
+    return f"{type(error).__name__}: {text[:500]}{place}"

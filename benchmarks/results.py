@@ -1,0 +1,190 @@
+"""Results folders: one line per episode, a manifest, and a lock against a second writer."""
+
+from __future__ import annotations
+
+import json
+import os
+import warnings
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from pathlib import Path
+
+from filelock import FileLock, Timeout
+
+from benchmarks.errors import IncompatibleResultsError, ResultsError, ResultsWarning
+from benchmarks.manifest import FILE_NAME as MANIFEST_NAME
+from benchmarks.manifest import continued, describe, read_manifest
+from benchmarks.plan import JobKey, Plan
+from benchmarks.rows import SCHEMA, Row, row_from_record
+
+ROWS_NAME = "episodes.jsonl"
+_LOCK_NAME = ".lock"
+
+
+class ResultsFolder:
+    """A locked folder that rows are appended to; made by ``open_results``."""
+
+    def __init__(self, path: Path, rows: list[Row]) -> None:
+        """Take over rows that are there already."""
+        self._path = path
+        self.rows = rows
+
+    def append(self, row: Row) -> None:
+        """Add a row; it is on disk, whole, when this returns.
+
+        Raises:
+            ResultsError: the file system did not take it.
+        """
+        line = row.to_line().encode()
+        path = self._path / ROWS_NAME
+        try:
+            with path.open("ab", buffering=0) as file:
+                written = file.write(line)
+                os.fsync(file.fileno())
+        except OSError as error:
+            raise ResultsError(f"cannot write {path}: {error}") from error
+        if written != len(line):
+            raise ResultsError(f"cannot write {path}: disk full? free some space and --resume")
+        self.rows.append(row)
+
+
+@contextmanager
+def open_results(path: Path, plan: Plan, *, resume: bool) -> Iterator[ResultsFolder]:
+    """Open a folder for writing the rows of a plan, alone.
+
+    Args:
+        path: the folder; made if missing.
+        plan: what will be run.
+        resume: go on with results that are there; otherwise they are an error.
+
+    Raises:
+        ResultsError: not writable, in use, or unexpected results.
+        IncompatibleResultsError: results of another plan, code or version.
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+        lock = FileLock(path / _LOCK_NAME, timeout=0)
+        lock.acquire()
+    except Timeout as error:
+        raise ResultsError(
+            f"{path} is in use by another run: wait for it, or choose another --out"
+        ) from error
+    except OSError as error:
+        raise ResultsError(f"cannot write to {path}: {error}: choose another --out") from error
+    try:
+        rows = _begin(path, plan, resume=resume)
+        yield ResultsFolder(path, rows)
+    finally:
+        lock.release()
+
+
+def new_folder(parent: Path) -> Path:
+    """Make a folder named after the present time, UTC."""
+    stamp = datetime.now(UTC).strftime("%Y%m%dT%H%M%SZ")
+    try:
+        parent.mkdir(parents=True, exist_ok=True)
+        for number in range(1, 100):
+            path = parent / (stamp if number == 1 else f"{stamp}-{number}")
+            try:
+                path.mkdir()
+            except FileExistsError:
+                continue
+            return path
+    except OSError as error:
+        raise ResultsError(f"cannot write to {parent}: {error}: choose an --out") from error
+    raise ResultsError(f"too many runs started at {stamp} in {parent}: choose an --out")
+
+
+def read_rows(path: Path) -> list[Row]:
+    """Read all rows of a folder, in the order of writing, each job once.
+
+    A last line that was torn by a crash is left out with a ``ResultsWarning``.
+
+    Raises:
+        ResultsError: a line is no row, or two rows of one job disagree; names file and line.
+        IncompatibleResultsError: a row of another schema version.
+    """
+    return _unique(path / ROWS_NAME, _parse(path / ROWS_NAME, _read_lines(path / ROWS_NAME)))
+
+
+def _begin(path: Path, plan: Plan, *, resume: bool) -> list[Row]:
+    manifest = describe(plan)
+    try:
+        if any((path / name).exists() for name in (MANIFEST_NAME, ROWS_NAME)):
+            if not resume:
+                raise ResultsError(
+                    f"{path} has results already: go on with --resume, or choose another --out"
+                )
+            manifest = continued(read_manifest(path), manifest)
+            rows = read_rows(path)
+            _mend_tail(path / ROWS_NAME)
+        else:
+            rows = []
+        manifest.write(path)
+    except OSError as error:
+        raise ResultsError(f"cannot write to {path}: {error}: choose another --out") from error
+    return rows
+
+
+def _read_lines(file: Path) -> list[bytes]:
+    try:
+        return file.read_bytes().split(b"\n")
+    except FileNotFoundError:
+        return []
+    except OSError as error:
+        raise ResultsError(f"cannot read {file}: {error}") from error
+
+
+def _parse(file: Path, lines: list[bytes]) -> Iterator[tuple[int, Row]]:
+    """Yield line numbers and rows."""
+    last = max((number for number, line in enumerate(lines, 1) if line.strip()), default=0)
+    for number, line in enumerate(lines[:last], 1):
+        try:
+            record = json.loads(line)
+        except ValueError as error:
+            if number == last:
+                warnings.warn(
+                    f"{file}, line {number}: left out, torn by a crash", ResultsWarning, 2
+                )
+                return
+            raise ResultsError(f"{file}, line {number}: not JSON: {error}") from error
+        if isinstance(record, dict) and record.get("schema", SCHEMA) != SCHEMA:
+            raise IncompatibleResultsError(
+                f"{file}, line {number}: schema must be {SCHEMA}, got {record['schema']!r}: read "
+                "it with the version of this project that wrote it"
+            )
+        try:
+            yield number, row_from_record(record)
+        except (ValueError, TypeError) as error:
+            raise ResultsError(f"{file}, line {number}: {error}") from error
+
+
+def _unique(file: Path, numbered: Iterable[tuple[int, Row]]) -> list[Row]:
+    seen: dict[JobKey, tuple[int, Row]] = {}
+    for number, row in numbered:
+        first, other = seen.setdefault(row.key, (number, row))
+        if row.without_times() != other.without_times():
+            raise ResultsError(
+                f"{file}, lines {first} and {number}: two different rows for "
+                f"agent={row.agent!r} env={row.env!r} index={row.index}: delete the wrong one"
+            )
+    return [row for _, row in seen.values()]
+
+
+def _mend_tail(file: Path) -> None:
+    """Cut a torn last line off, so that the next row begins a line of its own."""
+    lines = _read_lines(file)
+    while lines and not lines[-1].strip():
+        lines.pop()
+    if not lines:
+        return
+    try:
+        json.loads(lines[-1])
+    except ValueError:
+        lines.pop()
+    size = sum(len(line) + 1 for line in lines)
+    with file.open("r+b") as rows:
+        rows.truncate(size)
+        rows.seek(max(0, size - 1))
+        rows.write(b"\n" if size else b"")

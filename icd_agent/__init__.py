@@ -1,0 +1,1 @@
+"""Planning, tracking and learned models of Implicit Contact Diffuser; knows no task."""

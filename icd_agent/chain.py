@@ -1,0 +1,124 @@
+"""A chain of subgoals and which of them are still ahead."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+
+from icd_agent.mppi.costs import squared_distance
+from icd_agent.options import require
+from icd_envs.api import Episode, FloatArray, Observation
+
+
+class CostSpace(Protocol):
+    """Where distances between object states are measured."""
+
+    def features(self, points: FloatArray) -> FloatArray:
+        """Map clouds (..., N, 3) [m] in the world frame to features (..., N, D)."""
+        ...
+
+
+class SubgoalSource(Protocol):
+    """Where subgoals come from.
+
+    Attributes:
+        needs_oracle: whether ``episode.oracle`` must be there.
+    """
+
+    needs_oracle: bool
+
+    def chain(self, episode: Episode, observation: Observation) -> FloatArray:
+        """Subgoals from now to the goal, (L, N, D) in the cost space, L >= 1."""
+        ...
+
+
+class PointSpace:
+    """World coordinates as they are; distances are metres."""
+
+    def features(self, points: FloatArray) -> FloatArray:
+        """Return clouds (..., N, 3) [m] unchanged."""
+        return points
+
+
+class GoalSource:
+    """The goal itself as the only subgoal."""
+
+    needs_oracle = False
+
+    def __init__(self, space: CostSpace) -> None:
+        """Measure in ``space``."""
+        self._space = space
+
+    def chain(self, episode: Episode, observation: Observation) -> FloatArray:
+        """Return the desired object cloud as a chain of one, (1, N, D)."""
+        return self._space.features(observation["desired_goal"])[None]
+
+
+class SubgoalChain:
+    """Subgoals in order; those reached are removed together with all before them.
+
+    The last subgoal is never removed. Distances are root mean squares over the points; the
+    threshold scales with the chain, because its spacing differs between spaces and sources.
+    """
+
+    def __init__(
+        self,
+        subgoals: FloatArray,
+        threshold: float = 0.35,
+        window: int | None = None,
+        patience: int | None = None,
+    ) -> None:
+        """Begin with every subgoal ahead; ``TrackerConfig`` checks the options.
+
+        Args:
+            subgoals: (L, N, D) in the cost space.
+            threshold: a subgoal is reached within this fraction of the median distance between
+                consecutive subgoals.
+            window: only the next so many subgoals may be aimed at or reached; None is all.
+            patience: after so many steps without a subgoal removed, one is skipped; None is never.
+
+        Raises:
+            InvalidOptionError: for an empty or non-finite chain.
+        """
+        shape = np.shape(subgoals)
+        require(len(shape) == 3 and min(shape) >= 1, "subgoals.shape", shape, "(L, N, D), L >= 1")
+        require(bool(np.isfinite(subgoals).all()), "subgoals", "NaN or inf", "finite subgoals")
+        self._subgoals = np.array(subgoals, dtype=np.float32)
+        self._window = len(self._subgoals) if window is None else window
+        self._patience = patience
+        steps = np.sqrt(np.mean(np.sum(np.diff(self._subgoals, axis=0) ** 2, axis=-1), axis=-1))
+        self._threshold_squared = (threshold * float(np.median(steps))) ** 2 if len(steps) else 0.0
+        self._index = 0
+        self._steps_since_progress = 0
+
+    def __len__(self) -> int:
+        """L, removed subgoals included."""
+        return len(self._subgoals)
+
+    @property
+    def index(self) -> int:
+        """Index of the next subgoal; L - 1 from the time only the last is left."""
+        return self._index
+
+    def ahead(self) -> FloatArray:
+        """Return the subgoals to aim at now, (W, N, D) with 1 <= W <= window."""
+        return self._subgoals[self._index : self._index + self._window]
+
+    def advance(self, current: FloatArray) -> None:
+        """Remove what has been reached, or skip one subgoal if patience has run out.
+
+        Args:
+            current: (N, D) present state in the cost space; call once per control step.
+        """
+        squares = squared_distance(current[None, None], self.ahead())[0, 0]
+        reached = np.flatnonzero(squares <= self._threshold_squared)
+        if reached.size:
+            self._move_to(self._index + int(reached[-1]) + 1)
+        elif self._patience is not None and self._steps_since_progress >= self._patience:
+            self._move_to(self._index + 1)
+        self._steps_since_progress += 1
+
+    def _move_to(self, index: int) -> None:
+        self._index = min(index, len(self._subgoals) - 1)
+        self._steps_since_progress = 0

@@ -1,0 +1,196 @@
+"""The subgoal tracker: subgoal source + cost space + MPPI + simulator, one agent, many methods."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from icd_agent.chain import CostSpace, SubgoalChain, SubgoalSource
+from icd_agent.mppi.costs import collision_cost, nearest_subgoal_cost, squared_distance
+from icd_agent.mppi.planner import MPPI, MPPIConfig, Status
+from icd_agent.options import is_count, is_finite, require
+from icd_envs.api import Episode, Float32Array, Float64Array, FloatArray, Observation, Rollout
+from icd_envs.errors import EpisodeStateError, InvalidOptionError
+
+
+@dataclass(frozen=True)
+class TrackerConfig:
+    """How a chain is followed.
+
+    Attributes:
+        threshold: a subgoal is reached within this fraction of the median distance between
+            consecutive subgoals.
+        window: the cost is the minimum over the next so many subgoals; None is the paper's
+            minimum over all that remain, which can jump ahead of a change of contact.
+        patience: control steps without a subgoal removed after which one is skipped; None is never.
+        collision_weight: lambda_col [cost per metre of penetration and step]. The paper gives no
+            value; at 1, one sphere 5 mm deep for one step costs one temperature of the paper.
+    """
+
+    threshold: float = 0.35
+    window: int | None = None
+    patience: int | None = 20
+    collision_weight: float = 1.0
+
+    def __post_init__(self) -> None:
+        """Refuse values out of range.
+
+        Raises:
+            InvalidOptionError: naming the field, the value and what would be valid.
+        """
+        for field in ("threshold", "collision_weight"):
+            value = getattr(self, field)
+            require(is_finite(value) and value >= 0, field, value, "a finite number >= 0")
+        for field in ("window", "patience"):
+            value = getattr(self, field)
+            require(value is None or is_count(value), field, value, "None or an integer >= 1")
+
+
+@dataclass(frozen=True)
+class PlanInfo:
+    """What the last ``act`` did. Times are for reports only; nothing is decided by them.
+
+    Attributes:
+        status: "ok", or why the agent held still.
+        subgoal: index of the next subgoal in the chain.
+        chain_length: L.
+        best_cost: lowest cost of a valid sample; inf if there is none.
+        mean_cost: mean cost of the valid samples.
+        effective_samples: 1 / sum of squared weights, 0 to K.
+        invalid_samples: samples that diverged or whose cost was not finite.
+        rollout_seconds: [s] in the simulator.
+        cost_seconds: [s] for features, distances and collisions.
+        update_seconds: [s] for drawing samples and updating the plan.
+    """
+
+    status: Status
+    subgoal: int
+    chain_length: int
+    best_cost: float
+    mean_cost: float
+    effective_samples: float
+    invalid_samples: int
+    rollout_seconds: float
+    cost_seconds: float
+    update_seconds: float
+
+
+class SubgoalTracker:
+    """An agent that follows a chain of subgoals by sampling futures in the simulator.
+
+    The source is asked at the first ``act`` of an episode.
+    """
+
+    needs_simulator = True
+
+    def __init__(
+        self,
+        source: SubgoalSource,
+        space: CostSpace,
+        mppi: MPPIConfig,
+        config: TrackerConfig | None = None,
+    ) -> None:
+        """Compose an agent.
+
+        Args:
+            source: where subgoals come from.
+            space: where distances are measured; the source's chains are in the same space.
+            mppi: settings of the planner.
+            config: how the chain is followed; the defaults of ``TrackerConfig`` if None.
+        """
+        self.needs_oracle = source.needs_oracle
+        self.mppi_config = mppi
+        self.config = TrackerConfig() if config is None else config
+        self.plan_info: PlanInfo | None = None
+        self._source = source
+        self._space = space
+        self._episode: Episode | None = None
+
+    def reset(self, episode: Episode, seed: int) -> None:
+        """Begin an episode.
+
+        Args:
+            episode: must carry a simulator.
+            seed: the only source of randomness.
+
+        Raises:
+            InvalidOptionError: if what the agent needs is missing from the episode.
+        """
+        if episode.simulator is None:
+            raise InvalidOptionError(_missing("simulator"))
+        if self.needs_oracle and episode.oracle is None:
+            raise InvalidOptionError(_missing("oracle"))
+        self._episode = episode
+        self._simulator = episode.simulator
+        self._planner = MPPI(self.mppi_config, episode.action_scale)
+        self._rng = np.random.default_rng(seed)
+        self._chain: SubgoalChain | None = None
+        self.plan_info = None
+
+    def act(self, observation: Observation) -> Float32Array:
+        """Plan one step.
+
+        Args:
+            observation: of the simulator's present state; not changed.
+
+        Returns:
+            (3,) in [-1, 1]; zero if no rollout was usable, with the reason in ``plan_info``.
+
+        Raises:
+            EpisodeStateError: before ``reset``.
+        """
+        if self._episode is None:
+            raise EpisodeStateError("act() before reset(): call reset(episode, seed) first")
+        if self._chain is None:
+            self._chain = SubgoalChain(
+                self._source.chain(self._episode, observation),
+                self.config.threshold,
+                self.config.window,
+                self.config.patience,
+            )
+        self._chain.advance(self._space.features(observation["achieved_goal"]))
+
+        times = [time.perf_counter()]
+        actions = self._planner.sample(self._rng)
+        times.append(time.perf_counter())
+        rollout = self._simulator.rollout(self._simulator.snapshot(), actions)
+        times.append(time.perf_counter())
+        costs = self._costs(rollout, self._chain.ahead(), self._episode.gripper_spheres)
+        times.append(time.perf_counter())
+        update = self._planner.update(actions, costs)
+        action = self._planner.shift().astype(np.float32)
+        times.append(time.perf_counter())
+
+        sampling, rolling, costing, updating = np.diff(times).tolist()
+        self.plan_info = PlanInfo(
+            status=update.status,
+            subgoal=self._chain.index,
+            chain_length=len(self._chain),
+            best_cost=update.best_cost,
+            mean_cost=update.mean_cost,
+            effective_samples=update.effective_samples,
+            invalid_samples=update.invalid_samples,
+            rollout_seconds=rolling,
+            cost_seconds=costing,
+            update_seconds=sampling + updating,
+        )
+        return action
+
+    def _costs(self, rollout: Rollout, subgoals: FloatArray, spheres: FloatArray) -> Float64Array:
+        """Cost (K,) of each sample; inf where the physics diverged."""
+        features = self._space.features(rollout.points)
+        costs = nearest_subgoal_cost(squared_distance(features, subgoals))
+        costs += collision_cost(
+            rollout.gripper, spheres, self._simulator.signed_distance, self.config.collision_weight
+        )
+        costs[rollout.diverged] = np.inf
+        return costs
+
+
+def _missing(name: str) -> str:
+    return (
+        f"episode.{name}=None, but this agent has needs_{name}=True: "
+        f"build the episode with the environment's {name}"
+    )

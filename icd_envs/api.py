@@ -1,0 +1,156 @@
+"""The seams between environments, planners, agents and the benchmark. Imports numpy only.
+
+Letters, everywhere the same: K samples, H horizon, N object points, M scene points, F fixtures.
+Lengths are metres, world frame, z up; times are seconds.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Protocol, TypedDict, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.floating[Any]]
+Float32Array = NDArray[np.float32]
+Float64Array = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+
+class Observation(TypedDict):
+    """What every environment of this project observes; float32, metres, world frame.
+
+    Attributes:
+        observation: (6,) gripper position [m] and velocity [m/s].
+        achieved_goal: (200, 3) object cloud; point i is always the same material point.
+        desired_goal: (200, 3) object cloud at the goal.
+        scene: (1000, 3) points on the surfaces of the present scene.
+        goal_scene: (1000, 3) the scene the goal was specified in.
+    """
+
+    observation: Float32Array
+    achieved_goal: Float32Array
+    desired_goal: Float32Array
+    scene: Float32Array
+    goal_scene: Float32Array
+
+
+@dataclass(frozen=True)
+class SimState:
+    """The whole state of one environment, enough to continue bit for bit.
+
+    Attributes:
+        env_id: the environment it was taken from.
+        scene_id: fingerprint of the compiled scene; a state fits no other scene.
+        physics: (S,) MuJoCo's integration state (``mjSTATE_INTEGRATION``).
+        steps: control steps taken in this episode.
+        held: consecutive control steps for which success has held.
+    """
+
+    env_id: str
+    scene_id: str
+    physics: Float64Array
+    steps: int = 0
+    held: int = 0
+
+
+@dataclass(frozen=True)
+class Rollout:
+    """What K action sequences of length H lead to.
+
+    Attributes:
+        points: (K, H, N, 3) float32 [m], object cloud after each control step.
+        gripper: (K, H, 3) float32 [m], gripper position after each control step.
+        diverged: (K,) samples whose physics blew up; their other entries are finite but void.
+    """
+
+    points: Float32Array
+    gripper: Float32Array
+    diverged: BoolArray
+
+
+@runtime_checkable
+class Simulator(Protocol):
+    """Dynamics and geometry of the present scene, for planners. Privileged information."""
+
+    def snapshot(self) -> SimState:
+        """State of the environment now."""
+        ...
+
+    def rollout(self, state: SimState, actions: FloatArray) -> Rollout:
+        """Roll K action sequences out from one state, leaving the environment untouched.
+
+        Args:
+            state: from ``snapshot``.
+            actions: (K, H, 3) in [-1, 1], as for ``env.step``; clipped to that range.
+        """
+        ...
+
+    def signed_distance(self, points: FloatArray) -> Float64Array:
+        """Signed distance to the scene's obstacles, negative inside.
+
+        Args:
+            points: (M, 3) [m], world frame.
+
+        Returns:
+            (M,) [m].
+        """
+        ...
+
+
+@dataclass(frozen=True)
+class Oracle:
+    """How the scripted expert solved this scene. Privileged: for ceilings and ablations only.
+
+    Attributes:
+        scene: the task's own scene description (positions of fixtures and so on).
+        points: (T, N, 3) float32 [m], object cloud at the start and after each expert step.
+        actions: (T - 1, 3) float32 in [-1, 1], the expert's actions.
+    """
+
+    scene: object
+    points: Float32Array
+    actions: Float32Array
+
+
+@dataclass(frozen=True)
+class Episode:
+    """What an agent is told when an episode begins.
+
+    Attributes:
+        env_id: id of the environment.
+        action_scale: [m] gripper translation per control step for an action of 1.
+        control_period: [s] duration of one control step.
+        max_steps: control steps before the episode is truncated.
+        canonical_cloud: (N, 3) float32 [m], the object in its own rest frame, same point order.
+        gripper_spheres: (S, 4) float32, centre relative to the gripper position [m] and radius [m].
+        simulator: only for agents with ``needs_simulator = True``.
+        oracle: only for agents with ``needs_oracle = True``.
+    """
+
+    env_id: str
+    action_scale: float
+    control_period: float
+    max_steps: int
+    canonical_cloud: Float32Array
+    gripper_spheres: Float32Array
+    simulator: Simulator | None = None
+    oracle: Oracle | None = None
+
+
+@runtime_checkable
+class Agent(Protocol):
+    """Anything that acts. Third parties implement it without importing anything of ours.
+
+    Optional class attributes, each taken as False when missing: ``needs_simulator`` (wants
+    ``episode.simulator``) and ``needs_oracle`` (wants ``episode.oracle``).
+    """
+
+    def reset(self, episode: Episode, seed: int) -> None:
+        """Begin an episode; ``seed`` is the only source of randomness an agent may use."""
+        ...
+
+    def act(self, observation: Observation) -> FloatArray:
+        """Return an action, (3,) in [-1, 1]."""
+        ...

@@ -1,0 +1,38 @@
+"""Episodes of the scripted experts."""
+
+from __future__ import annotations
+
+from icd_envs.errors import InvalidOptionError, unknown_name
+from icd_envs.tasks.base import Demonstration, Split, Task, run_expert, scene_rng
+from icd_envs.tasks.cable_routing import CableRouting
+
+TASKS: dict[str, Task] = {task.env_id: task for task in (CableRouting(),)}  # type: ignore
+
+
+def find_task(env_id: str) -> Task:  # type: ignore[type-arg]
+    """The task behind an environment.
+
+    Raises:
+        InvalidOptionError: if there is none of that id.
+    """
+    if env_id not in TASKS:
+        raise InvalidOptionError(unknown_name("environment id", env_id, TASKS))
+    return TASKS[env_id]
+
+
+def demonstrate(
+    env_id: str, *, seed: int, split: Split = "train", noisy: bool = False
+) -> Demonstration:
+    """Let the scripted expert act once in a raw scene, solvable or not.
+
+    Args:
+        env_id: which environment.
+        seed: fixes the scene and every draw of the expert.
+        split: which scenes.
+        noisy: with action noise, varying speed and deliberate faults.
+    """
+    task = find_task(env_id)
+    rng = scene_rng(split, seed)
+    scene = task.draw_scene(rng)
+    plant = task.make_plant(scene)
+    return run_expert(task, scene, plant, task.make_expert(scene, rng, noisy=noisy))

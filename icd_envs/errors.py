@@ -1,0 +1,52 @@
+"""Every error a caller can cause, as a typed exception that names field, value and fix."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+
+class IcdError(Exception):
+    """Base of every error this project raises on purpose."""
+
+
+class InvalidActionError(IcdError, ValueError):
+    """An action that no simulation step can be taken with; the simulation state is unchanged."""
+
+
+class InvalidSeedError(IcdError, ValueError):
+    """A reset seed that is not an integer in [0, 2**32)."""
+
+
+class InvalidOptionError(IcdError, ValueError):
+    """An option, id or name that does not exist, or a value it cannot take."""
+
+
+class EpisodeStateError(IcdError, RuntimeError):
+    """A call out of order: step before reset, after the end of the episode, or after close."""
+
+
+class IncompatibleStateError(IcdError, ValueError):
+    """A snapshot of another environment, version or scene."""
+
+
+class SceneGenerationError(IcdError, RuntimeError):
+    """No solvable scene was found within the attempts allowed for one seed."""
+
+
+class RenderingUnavailableError(IcdError, RuntimeError):
+    """OpenGL could not be initialised; physics, point clouds and the benchmark work without it."""
+
+
+def unknown_name(kind: str, name: object, known: Iterable[str]) -> str:
+    """Message for a misspelt name, with the closest known names.
+
+    Args:
+        kind: what the name was supposed to be, e.g. ``"option"``.
+        name: the value received.
+        known: every valid name.
+    """
+    names = sorted(known)
+    close = difflib.get_close_matches(str(name), names, n=3)
+    hint = f"did you mean {' or '.join(map(repr, close))}? " if close else ""
+    return f"unknown {kind} {name!r}: {hint}valid: {', '.join(map(repr, names)) or 'none'}"

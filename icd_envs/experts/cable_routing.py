@@ -1,0 +1,219 @@
+"""Scripted expert for cable routing.
+
+The taut cable is an arm that turns about a pivot: first the anchor, then the last routed clip.
+For every clip in order the gripper lifts the arm, swings it over the clip to its mouth's side,
+lowers it to the floor and sweeps it back into the throat. It looks at the cable at every step:
+a clip that was missed or lost is tried again.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+from typing import Final, Literal
+
+import numpy as np
+
+from icd_envs.api import Float64Array, FloatArray
+from icd_envs.geometry.routing import Crossing, find_crossing
+from icd_envs.scenes.cable_routing import CableRoutingScene
+
+Intent = Literal["route", "wrong", "skip"]
+Phase = Literal["detour", "lift", "swing", "lower", "sweep"]
+
+PHASES: Final[tuple[Phase, ...]] = ("detour", "lift", "swing", "lower", "sweep")
+
+CLEARANCE_SIDE: Final = 0.10
+"""[m] the arm passes this far beside the throat's centre before it is lowered."""
+CLEARANCE_TOP: Final = 0.16
+"""[m] height of the arm above the clip it is lifted over; a clip is 0.09 m tall."""
+SWEEP: Final = 0.14
+"""[m] how far past the throat's centre the arm sweeps, against the clip's wall."""
+SEATED: Final = 0.0
+"""[m] a cable deeper in the throat than this, in the clip's x, needs no further sweep."""
+TAUT: Final = 0.985
+"""Distance of the gripper from the pivot, as a share of the free length."""
+LOW: Final = 0.02
+"""[m] lowest height of the gripper."""
+ARRIVED: Final = 0.03
+"""[rad]"""
+STALL_STEPS: Final = 10
+STALL_TRAVEL: Final = 0.02
+"""[m] a gripper that moves less than this in STALL_STEPS is blocked, which ends a phase."""
+
+
+@dataclass(frozen=True)
+class Style:
+    """How an expert behaves in one episode; the default is a clean demonstration.
+
+    Attributes:
+        intents: what to do at each clip; clips beyond its length are routed.
+        speed: [m] gripper translation per control step.
+        noise: [m] standard deviation per axis of Gaussian noise on each translation.
+        detour: (2,) bearing and elevation [rad] of a place to visit first, or None.
+    """
+
+    intents: tuple[Intent, ...] = ()
+    speed: float = 0.028
+    noise: float = 0.0
+    detour: tuple[float, float] | None = None
+
+
+def draw_style(rng: np.random.Generator, clips: int) -> Style:
+    """Behaviour for data that is not all good demonstrations (paper: it need not be).
+
+    With probability 0.3 one of: a clip taken on its wrong side, a clip skipped, a detour.
+
+    Args:
+        rng: source of every draw.
+        clips: number of clips in the scene.
+    """
+    intents: list[Intent] = ["route"] * clips
+    detour = None
+    if rng.random() < 0.3:
+        fault = rng.integers(3)
+        if fault == 2:
+            detour = (rng.uniform(-np.pi, np.pi), rng.uniform(0.0, 0.6))
+        else:
+            intents[rng.integers(clips)] = "wrong" if fault == 0 else "skip"
+    return Style(tuple(intents), rng.uniform(0.015, 0.03), rng.uniform(0.0, 0.01), detour)
+
+
+class CableRoutingExpert:
+    """Closed-loop expert with access to the scene's geometry."""
+
+    def __init__(
+        self,
+        scene: CableRoutingScene,
+        action_scale: float,
+        style: Style | None = None,
+        rng: np.random.Generator | None = None,
+    ) -> None:
+        """Prepare for one episode.
+
+        Args:
+            scene: where to route.
+            action_scale: [m] translation for an action of 1.
+            style: behaviour; None is a clean demonstration.
+            rng: source of the action noise; needed if ``style.noise`` is positive.
+        """
+        self._scene = scene
+        self._scale = action_scale
+        self._style = style or Style()
+        self._rng = rng
+        clips = len(scene.clips)
+        self._intents = (self._style.intents + ("route",) * clips)[:clips]
+        self._passed = [False] * clips
+        self._clip: int | None = None
+        self._phase = 0
+        self._detoured = self._style.detour is None
+        self._recent: deque[Float64Array] = deque(maxlen=STALL_STEPS)
+
+    def act(self, gripper: FloatArray, points: FloatArray) -> Float64Array:
+        """Next action.
+
+        Args:
+            gripper: (3,) [m] position.
+            points: (N, 3) [m] object cloud, from the anchored end to the held one.
+
+        Returns:
+            (3,) in [-1, 1]; zero when every clip is done.
+        """
+        crossings = [find_crossing(points, clip) for clip in self._scene.clips]
+        clip = self._next_clip(crossings)
+        if clip != self._clip:
+            self._clip = clip
+            self._begin(0 if not self._detoured else 1)
+        translation = np.zeros(3)
+        if clip is not None:
+            translation = self._move(clip, np.asarray(gripper, float), points, crossings)
+        if self._style.noise > 0 and self._rng is not None:
+            translation = translation + self._rng.normal(0.0, self._style.noise, 3)
+        return np.clip(translation / self._scale, -1.0, 1.0)
+
+    def _next_clip(self, crossings: list[Crossing | None]) -> int | None:
+        for i, (intent, crossing) in enumerate(zip(self._intents, crossings, strict=True)):
+            if intent == "route":
+                self._passed[i] = crossing is not None and (
+                    self._passed[i] or crossing.depth < SEATED
+                )
+            if intent != "skip" and not self._passed[i]:
+                return i
+        return None
+
+    def _begin(self, phase: int) -> None:
+        self._phase = phase
+        self._recent.clear()
+
+    def _move(
+        self,
+        index: int,
+        gripper: Float64Array,
+        points: FloatArray,
+        crossings: list[Crossing | None],
+    ) -> Float64Array:
+        pivot, length = self._scene.anchor, self._scene.cable.length
+        for crossing in crossings[:index]:
+            if crossing is not None:
+                share = crossing.segment / (len(points) - 1)
+                pivot = points[crossing.segment].astype(np.float64)
+                length = self._scene.cable.length * (1 - share)
+        radius = TAUT * length
+        arm = gripper - pivot
+        now = np.array([np.arctan2(arm[1], arm[0]), np.arctan2(arm[2], np.hypot(*arm[:2]))])
+        error = self._target(index, pivot, radius, now) - now
+        error[0] = (error[0] + np.pi) % (2 * np.pi) - np.pi
+
+        self._recent.append(gripper)
+        stalled = (
+            len(self._recent) == STALL_STEPS
+            and float(np.linalg.norm(self._recent[-1] - self._recent[0])) < STALL_TRAVEL
+        )
+        if stalled or bool(np.all(np.abs(error) < ARRIVED)):
+            self._finish_phase(index, crossings[index] is not None)
+
+        turn = self._style.speed / radius
+        bearing, elevation = now + error * min(1.0, turn / max(float(np.abs(error).max()), 1e-9))
+        target = pivot + radius * np.array(
+            [
+                np.cos(elevation) * np.cos(bearing),
+                np.cos(elevation) * np.sin(bearing),
+                np.sin(elevation),
+            ]
+        )
+        target[2] = max(target[2], LOW)
+        return target - gripper
+
+    def _target(
+        self, index: int, pivot: Float64Array, radius: float, now: Float64Array
+    ) -> Float64Array:
+        """Bearing and elevation [rad] that the present phase moves the arm to."""
+        clip = self._scene.clips[index]
+        to = clip.origin - pivot
+        distance = float(np.hypot(to[0], to[1]))
+        bearing = np.arctan2(to[1], to[0])
+        side = np.sign(to[0] * clip.mouth[1] - to[1] * clip.mouth[0])
+        if self._intents[index] == "wrong":
+            side = -side
+        beside = bearing + side * np.arctan2(CLEARANCE_SIDE, distance)
+        high = np.arcsin(min(0.7, (CLEARANCE_TOP - pivot[2]) / distance))
+        low = np.arcsin((LOW - pivot[2]) / radius)
+        match PHASES[self._phase]:
+            case "detour":
+                return np.array(self._style.detour or now)
+            case "lift":
+                return np.array([now[0], high])
+            case "swing":
+                return np.array([beside, high])
+            case "lower":
+                return np.array([beside, low])
+            case "sweep":
+                return np.array([bearing - side * np.arctan2(SWEEP, distance), low])
+
+    def _finish_phase(self, index: int, routed: bool) -> None:
+        if PHASES[self._phase] == "sweep":
+            self._passed[index] = routed or self._intents[index] == "wrong"
+            self._begin(1)
+        else:
+            self._detoured = True
+            self._begin(self._phase + 1)

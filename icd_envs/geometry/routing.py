@@ -1,0 +1,79 @@
+"""Through which clips does a cable pass, and in which sense?
+
+The throat of a clip is the part of the plane through its centre, normal to its axis, between wall
+and lip end, floor and lip underside. A polyline that passes it along the axis counts +1, against
+it -1; a cable is routed when the net count is not zero.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from icd_envs.api import BoolArray, FloatArray
+from icd_envs.scenes.clip import THROAT_X, Clip, throat_height
+
+
+class Crossing(NamedTuple):
+    """Where a cable passes a clip's throat.
+
+    Attributes:
+        segment: index of the polyline's segment.
+        depth: [m] local x of the pass: negative is toward the wall.
+    """
+
+    segment: int
+    depth: float
+
+
+class _Passes(NamedTuple):
+    direction: NDArray[np.int64]
+    """(..., F, N-1) +1, -1, or 0 where the plane is not passed."""
+    inside: BoolArray
+    """(..., F, N-1) whether the plane is passed inside the throat."""
+    x: FloatArray
+    """(..., F, N-1) [m] local x of the pass."""
+
+
+def _passes(points: FloatArray, clips: FloatArray) -> _Passes:
+    offset = points[..., None, :, :2] - clips[..., :, None, :2]
+    cos, sin = np.cos(clips[..., 2])[..., None], np.sin(clips[..., 2])[..., None]
+    x = cos * offset[..., 0] + sin * offset[..., 1]
+    y = cos * offset[..., 1] - sin * offset[..., 0]
+    z = np.broadcast_to(points[..., None, :, 2], x.shape)
+    direction = (y[..., 1:] >= 0).astype(np.int64) - (y[..., :-1] >= 0)
+    share = -y[..., :-1] / np.where(direction == 0, 1.0, np.diff(y))
+    x = x[..., :-1] + share * np.diff(x)
+    z = z[..., :-1] + share * np.diff(z)
+    inside = (x >= THROAT_X[0]) & (x <= THROAT_X[1]) & (z >= 0) & (z <= throat_height(x))
+    return _Passes(direction, inside, x)
+
+
+def signed_crossings(points: FloatArray, clips: FloatArray) -> NDArray[np.int64]:
+    """Net signed number of passes of a polyline through each clip's throat.
+
+    Args:
+        points: (..., N, 3) [m] polylines, world frame.
+        clips: (..., F, 3) position x, y [m] and yaw [rad] of each clip.
+
+    Returns:
+        (..., F) integers.
+    """
+    passes = _passes(points, clips)
+    return np.sum(passes.direction * passes.inside, axis=-1)
+
+
+def find_crossing(points: FloatArray, clip: Clip) -> Crossing | None:
+    """The first pass through one clip's throat, or None if the net count is zero.
+
+    Args:
+        points: (N, 3) [m] polyline, world frame.
+        clip: the clip.
+    """
+    passes = _passes(points, np.array([[*clip.position, clip.yaw]]))
+    if not np.sum(passes.direction * passes.inside):
+        return None
+    segment = int(np.flatnonzero((passes.direction * passes.inside)[0])[0])
+    return Crossing(segment, float(passes.x[0, segment]))

@@ -1,0 +1,133 @@
+"""A compiled scene and its state: the one place where MuJoCo steps an environment."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+from typing import Final
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from icd_envs.api import Float32Array, Float64Array, FloatArray
+from icd_envs.errors import IncompatibleStateError
+from icd_envs.physics.guard import BOUND, quiet_mujoco
+from icd_envs.scenes.arena import SUBSTEPS
+
+INTEGRATION: Final = mujoco.mjtState.mjSTATE_INTEGRATION
+SLIDES: Final = ("slide_x", "slide_y", "slide_z")
+FULL_BUFFERS: Final = (mujoco.mjtWarning.mjWARN_CONTACTFULL, mujoco.mjtWarning.mjWARN_CNSTRFULL)
+
+
+@dataclass(frozen=True)
+class TrackedCloud:
+    """How the object cloud follows from the tracked nodes: point i lies between two nodes.
+
+    Interpolation is elementwise, not a matrix product, so that a batch of states gives the same
+    bits as each state alone.
+
+    Attributes:
+        start: (N,) index of the node before each point.
+        share: (N, 1) position between that node and the next, in [0, 1].
+    """
+
+    start: NDArray[np.int64]
+    share: Float64Array
+
+    def __call__(self, nodes: Float64Array) -> Float32Array:
+        """(..., P, 3) node positions -> (..., N, 3) float32 cloud [m]."""
+        first = nodes[..., self.start, :]
+        return (first + self.share * (nodes[..., self.start + 1, :] - first)).astype(np.float32)
+
+
+class Plant:
+    """One scene: model, state, the gripper's servos and the tracked object.
+
+    Every model has slides ``slide_x|y|z`` driven by velocity servos of the same names, a site
+    ``grasp`` and sites ``node_0 ...`` each with a position sensor of its name, in order.
+    """
+
+    def __init__(self, xml: str, cloud: TrackedCloud, action_scale: float) -> None:
+        """Compile a scene.
+
+        Args:
+            xml: MJCF text.
+            cloud: object cloud from the tracked nodes.
+            action_scale: [m] gripper translation per control step for an action of 1.
+        """
+        self.model = mujoco.MjModel.from_xml_string(xml)
+        self.data = mujoco.MjData(self.model)
+        self.cloud = cloud
+        self.scene_id = hashlib.sha256(xml.encode()).hexdigest()[:16]
+        self.control_period = SUBSTEPS * float(self.model.opt.timestep)
+        self.velocity_scale = action_scale / self.control_period
+        joints = [self.model.joint(name) for name in SLIDES]
+        self.gripper_qpos = np.array([joint.qposadr[0] for joint in joints])
+        self.gripper_qvel = np.array([joint.dofadr[0] for joint in joints])
+        count = int(self.model.nsensor)
+        self.node_sites = np.array([self.model.site(f"node_{i}").id for i in range(count)])
+        mujoco.mj_forward(self.model, self.data)
+
+    def step(self, action: FloatArray) -> None:
+        """Advance one control step.
+
+        Args:
+            action: (3,) in [-1, 1].
+        """
+        self.data.ctrl[:] = np.asarray(action, dtype=np.float64) * self.velocity_scale
+        with quiet_mujoco():
+            mujoco.mj_step(self.model, self.data, SUBSTEPS)
+        # Positions only: mj_forward would change the solver's warm start and with it the bits.
+        mujoco.mj_kinematics(self.model, self.data)
+
+    def nodes(self) -> Float64Array:
+        """(P, 3) [m] tracked nodes now."""
+        return self.data.site_xpos[self.node_sites]
+
+    def points(self) -> Float32Array:
+        """(N, 3) float32 [m] object cloud now."""
+        return self.cloud(self.nodes())
+
+    def gripper(self) -> Float64Array:
+        """(3,) [m] gripper position now."""
+        return self.data.qpos[self.gripper_qpos]
+
+    def gripper_velocity(self) -> Float64Array:
+        """(3,) [m/s] gripper velocity now."""
+        return self.data.qvel[self.gripper_qvel]
+
+    def diverged(self) -> bool:
+        """Whether the physics blew up since the state was last set."""
+        unstable = any(
+            self.data.warning[int(kind)].number
+            for kind in mujoco.mjtWarning.__members__.values()
+            if kind not in FULL_BUFFERS and int(kind) < len(self.data.warning)
+        )
+        return unstable or not bool(np.all(np.abs(self.nodes()) < BOUND))
+
+    def buffer_overflows(self) -> int:
+        """How often a contact or constraint buffer was full since the state was last set."""
+        return sum(int(self.data.warning[int(kind)].number) for kind in FULL_BUFFERS)
+
+    def get_state(self) -> Float64Array:
+        """(S,) whole integration state, a copy."""
+        state = np.empty(mujoco.mj_stateSize(self.model, INTEGRATION))
+        mujoco.mj_getState(self.model, self.data, state, INTEGRATION)
+        return state
+
+    def set_state(self, state: Float64Array) -> None:
+        """Return to a state from ``get_state``.
+
+        Raises:
+            IncompatibleStateError: if its size is not this model's.
+        """
+        size = mujoco.mj_stateSize(self.model, INTEGRATION)
+        if state.shape != (size,):
+            raise IncompatibleStateError(
+                f"state.physics has shape {state.shape}, this scene needs ({size},): restore it in "
+                "an environment reset with the same seed, split and options"
+            )
+        mujoco.mj_resetData(self.model, self.data)
+        mujoco.mj_setState(self.model, self.data, state, INTEGRATION)
+        mujoco.mj_kinematics(self.model, self.data)

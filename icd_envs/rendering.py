@@ -1,0 +1,130 @@
+"""Pictures of a scene, with or without a display; physics and the benchmark never need it."""
+
+from __future__ import annotations
+
+import ctypes.util
+import os
+import sys
+import warnings
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from icd_envs.api import Float32Array
+from icd_envs.errors import RenderingUnavailableError
+
+if TYPE_CHECKING:
+    import mujoco
+
+LIBRARIES: Final = {"egl": "EGL", "osmesa": "OSMesa"}
+DISABLED: Final = ("disable", "disabled", "off", "false", "0")
+AUTOMATIC: Final = ("", "enable", "enabled", "on", "true", "1")
+GOAL_RGBA: Final = np.array([0.85, 0.1, 0.1, 1.0], dtype=np.float32)
+
+FIX: Final = (
+    "install a software renderer, e.g. on Debian or Ubuntu: apt-get install libegl1 libgl1\n"
+    "and start Python again with MUJOCO_GL=egl (or libosmesa6 and MUJOCO_GL=osmesa)"
+)
+
+
+def choose_backend() -> str:
+    """Set ``MUJOCO_GL`` to a backend that works here; to be called before MuJoCo is imported.
+
+    A valid value set by the user stays. Otherwise, without a display, EGL comes first, then
+    OSMesa; with neither, rendering is disabled and everything else works.
+
+    Returns:
+        the value ``MUJOCO_GL`` now has.
+    """
+    asked = os.environ.get("MUJOCO_GL", "").strip().lower()
+    if asked in (*DISABLED, "glfw") or "mujoco" in sys.modules:
+        return asked
+    if asked in LIBRARIES and ctypes.util.find_library(LIBRARIES[asked]):
+        return asked
+    chosen = "glfw" if _has_display() else next(_headless_backends(), "disabled")
+    if asked not in AUTOMATIC:
+        warnings.warn(
+            f"MUJOCO_GL={asked!r} is not available here: using {chosen!r} instead", stacklevel=2
+        )
+    os.environ["MUJOCO_GL"] = chosen
+    return chosen
+
+
+def _has_display() -> bool:
+    if sys.platform != "linux":
+        return True
+    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+def _headless_backends() -> Any:
+    return (name for name, library in LIBRARIES.items() if ctypes.util.find_library(library))
+
+
+class SceneRenderer:
+    """Off-screen pictures of one compiled scene."""
+
+    def __init__(self, model: mujoco.MjModel, width: int, height: int, camera: str) -> None:
+        """Open a GL context.
+
+        Args:
+            model: the scene.
+            width: [px]
+            height: [px]
+            camera: name of a camera of the scene.
+
+        Raises:
+            RenderingUnavailableError: if OpenGL does not start.
+        """
+        import mujoco
+
+        self._camera = camera
+        try:
+            self._renderer = mujoco.Renderer(model, height, width)
+        except Exception as error:  # GL stacks fail with many types; the fix is the same
+            backend = os.environ.get("MUJOCO_GL", "")
+            raise RenderingUnavailableError(
+                f"OpenGL did not start (MUJOCO_GL={backend!r}): {error}\n{FIX}"
+            ) from error
+        self._options = mujoco.MjvOption()
+        self._options.geomgroup[:] = (1, 1, 1, 1, 0, 0)
+
+    def rgb(self, data: mujoco.MjData, goal: Float32Array, radius: float) -> NDArray[np.uint8]:
+        """(height, width, 3) picture, the goal cloud drawn in red.
+
+        Args:
+            data: state; its positions must be up to date.
+            goal: (N, 3) [m] cloud, drawn as a line of capsules; or (0, 3).
+            radius: [m] of those capsules.
+        """
+        self._renderer.disable_depth_rendering()
+        self._renderer.update_scene(data, self._camera, self._options)
+        self._draw_line(goal, radius)
+        return np.asarray(self._renderer.render())
+
+    def depth(self, data: mujoco.MjData) -> Float32Array:
+        """(height, width) distance from the camera plane [m], without the goal."""
+        self._renderer.enable_depth_rendering()
+        self._renderer.update_scene(data, self._camera, self._options)
+        return np.asarray(self._renderer.render(), dtype=np.float32)
+
+    def _draw_line(self, points: Float32Array, radius: float) -> None:
+        import mujoco
+
+        scene = self._renderer.scene
+        for start, end in zip(points[:-1], points[1:], strict=True):
+            if scene.ngeom >= scene.maxgeom:
+                break
+            geom = scene.geoms[scene.ngeom]
+            mujoco.mjv_initGeom(
+                geom, mujoco.mjtGeom.mjGEOM_CAPSULE, np.zeros(3), np.zeros(3), np.zeros(9),
+                GOAL_RGBA,
+            )  # fmt: skip
+            mujoco.mjv_connector(
+                geom, mujoco.mjtGeom.mjGEOM_CAPSULE, radius, start.astype(float), end.astype(float)
+            )
+            scene.ngeom += 1
+
+    def close(self) -> None:
+        """Free the GL context."""
+        self._renderer.close()

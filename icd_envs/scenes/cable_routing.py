@@ -1,0 +1,111 @@
+"""The cable routing scene: where clips and cable stand, and how it is drawn and built."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from icd_envs.api import Float64Array
+from icd_envs.scenes.boxes import Box
+from icd_envs.scenes.cable import DEFAULT_CABLE, CableSpec, add_cable
+from icd_envs.scenes.clip import Clip, add_clip
+
+if TYPE_CHECKING:
+    from dm_control import mjcf
+
+ANCHOR: Final = (0.0, 0.0, 0.04)
+"""[m] the fixed end, a few centimetres above the floor."""
+
+WORKSPACE: Final = ((-1.1, -1.1, 0.012), (1.1, 1.1, 0.6))
+"""[m] lower and upper limits of the gripper."""
+
+START_BEARING: Final = (-np.pi / 2 - 0.15, -np.pi / 2 + 0.15)
+"""[rad] the cable starts about 90 degrees away from the route."""
+
+FIRST_BEARING: Final = (-0.35, 0.25)
+"""[rad] of clip 1 from the anchor."""
+FIRST_DISTANCE: Final = (0.25, 0.38)
+"""[m]"""
+TURN: Final = (-0.7, 0.0)
+"""[rad] the route turns right at clip 1, into its wall: the mouth opens to the left."""
+NEXT_DISTANCE: Final = (0.24, 0.34)
+"""[m]"""
+AXIS_JITTER: Final = (-0.3, 0.3)
+"""[rad] of the throat's axis about the route."""
+
+
+CAMERAS: Final = (
+    ("overview", (1.25, -1.15, 0.85), (0.30, -0.20, 0.08)),
+    ("side", (0.45, -1.1, 0.25), (0.42, 0.0, 0.06)),
+    ("top", (0.35, -0.25, 1.9), (0.35, -0.2499, 0.0)),
+)
+"""Name, position [m], point looked at [m]."""
+
+
+@dataclass(frozen=True)
+class CableRoutingScene:
+    """One drawn scene.
+
+    Attributes:
+        clips: in the order of the route; their mouths open to alternating sides, so that the
+            route is an S.
+        start_bearing: [rad] direction of the straight cable at the start.
+        anchor: (3,) [m] fixed end of the cable.
+        cable: mechanics.
+    """
+
+    clips: tuple[Clip, ...]
+    start_bearing: float
+    anchor: Float64Array
+    cable: CableSpec = DEFAULT_CABLE
+
+    @property
+    def clip_poses(self) -> Float64Array:
+        """(F, 3) position x, y [m] and yaw [rad] of every clip."""
+        return np.array([[*clip.position, clip.yaw] for clip in self.clips])
+
+    def boxes(self) -> list[Box]:
+        """Every solid part of every fixture."""
+        return [box for clip in self.clips for box in clip.boxes()]
+
+
+def draw_scene(rng: np.random.Generator) -> CableRoutingScene:
+    """Two clips at random places, mouths to the left and to the right of the route."""
+    start_bearing = rng.uniform(*START_BEARING)
+    bearing = rng.uniform(*FIRST_BEARING)
+    turn = rng.uniform(*TURN)
+    first = rng.uniform(*FIRST_DISTANCE) * _direction(bearing)
+    second = first + rng.uniform(*NEXT_DISTANCE) * _direction(bearing + turn)
+    axis = np.array([bearing + turn / 2, bearing + turn]) + rng.uniform(*AXIS_JITTER, size=2)
+    clips = (
+        Clip((float(first[0]), float(first[1])), float(axis[0] + np.pi / 2)),
+        Clip((float(second[0]), float(second[1])), float(axis[1] - np.pi / 2)),
+    )
+    return CableRoutingScene(clips, float(start_bearing), np.array(ANCHOR))
+
+
+def _direction(angle: float) -> Float64Array:
+    return np.array([np.cos(angle), np.sin(angle)])
+
+
+def build_scene(scene: CableRoutingScene) -> mjcf.RootElement:
+    """The scene as a PyMJCF model, the gripper holding the cable's free end."""
+    from icd_envs.scenes.arena import add_camera, make_arena
+    from icd_envs.scenes.gripper import add_gripper
+
+    root = make_arena("cable_routing")
+    for i, clip in enumerate(scene.clips):
+        add_clip(root, clip, f"clip_{i}")
+    root.worldbody.add(
+        "geom", name="anchor", type="cylinder", size=[0.012, scene.anchor[2] / 2],
+        pos=[*scene.anchor[:2], scene.anchor[2] / 2], contype=0, conaffinity=0,
+        rgba=[0.35, 0.36, 0.38, 1], group=1,
+    )  # fmt: skip
+    for name, position, look_at in CAMERAS:
+        add_camera(root, name, position, look_at)
+    add_cable(root, scene.cable, scene.anchor, scene.start_bearing)
+    add_gripper(root, np.array(WORKSPACE))
+    root.equality.add("connect", name="grasp", site1="grasp", site2=f"node_{scene.cable.links}")
+    return root

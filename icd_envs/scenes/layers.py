@@ -1,0 +1,18 @@
+"""Which geoms may touch which, as MuJoCo collision bits; nothing else collides.
+
+Fixtures touch the cable's capsules and the gripper; the floor touches the cable's floor spheres.
+The cable touches neither itself nor the gripper.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+Layer = dict[str, int]
+
+FIXTURE: Final[Layer] = {"contype": 1, "conaffinity": 0, "group": 1}
+FLOOR: Final[Layer] = {"contype": 2, "conaffinity": 0, "group": 0}
+CABLE: Final[Layer] = {"contype": 0, "conaffinity": 1, "group": 2}
+CABLE_FLOOR: Final[Layer] = {"contype": 0, "conaffinity": 2, "group": 4}
+GRIPPER: Final[Layer] = {"contype": 0, "conaffinity": 1, "group": 3}
+VISUAL: Final[Layer] = {"contype": 0, "conaffinity": 0, "group": 3}

@@ -1,0 +1,142 @@
+"""Cable routing: thread a cable, fixed at one end, through every clip (paper, section V-A)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Final
+
+import numpy as np
+
+from icd_envs.api import BoolArray, Float32Array, Float64Array, FloatArray
+from icd_envs.experts.cable_routing import CableRoutingExpert, draw_style
+from icd_envs.geometry.routing import signed_crossings
+from icd_envs.physics.plant import Plant, TrackedCloud
+from icd_envs.scenes.boxes import Box
+from icd_envs.scenes.cable import DEFAULT_CABLE
+from icd_envs.scenes.cable_routing import CableRoutingScene, build_scene, draw_scene
+from icd_envs.tasks.base import Split
+from icd_envs.tasks.env import ContactEnv, RewardType
+
+CLOUD_POINTS: Final = 200
+SLACK: Final = 0.02
+"""[m] by which the gripper comes toward the anchor before an episode: the cable hangs free."""
+RISE: Final = 0.02
+"""[m] by which it rises meanwhile."""
+SETTLE_STEPS: Final = (20, 5)
+"""Control steps of that motion, and of rest after it."""
+
+
+class CableRouting:
+    """The task behind ``ICDCableRouting-v0``."""
+
+    env_id: str = "ICDCableRouting-v0"
+    max_steps: int = 300
+    action_scale: float = 0.03
+
+    def draw_scene(self, rng: np.random.Generator) -> CableRoutingScene:
+        """Two clips at random places; see ``icd_envs.scenes.cable_routing``."""
+        return draw_scene(rng)
+
+    def make_plant(self, scene: CableRoutingScene) -> Plant:
+        """Cable straight and almost taut, pointing away from the clips, held at the far end."""
+        links = scene.cable.links
+        where = np.linspace(0.0, links, CLOUD_POINTS)
+        start = np.minimum(where.astype(np.int64), links - 1)
+        cloud = TrackedCloud(start, (where - start)[:, None])
+        plant = Plant(build_scene(scene).to_xml_string(), cloud, self.action_scale)
+        outward = np.array([np.cos(scene.start_bearing), np.sin(scene.start_bearing), 0.0])
+        plant.data.qpos[plant.gripper_qpos] = scene.anchor + scene.cable.length * outward
+        motion = (RISE * np.array([0.0, 0.0, 1.0]) - SLACK * outward) / SETTLE_STEPS[0]
+        for _ in range(SETTLE_STEPS[0]):
+            plant.step(motion / self.action_scale)
+        for _ in range(SETTLE_STEPS[1]):
+            plant.step(np.zeros(3))
+        return plant
+
+    def boxes(self, scene: CableRoutingScene) -> list[Box]:
+        """Walls, lips and base plates of the clips."""
+        return scene.boxes()
+
+    def make_expert(
+        self,
+        scene: CableRoutingScene,
+        rng: np.random.Generator | None = None,
+        *,
+        noisy: bool = False,
+    ) -> CableRoutingExpert:
+        """Clean, or with a style drawn from ``rng``."""
+        style = draw_style(rng, len(scene.clips)) if noisy and rng is not None else None
+        return CableRoutingExpert(scene, self.action_scale, style, rng)
+
+    def parameters(self, scene: CableRoutingScene) -> dict[str, Float64Array]:
+        """``clips``: (F, 3) position x, y [m] and yaw [rad] of each clip."""
+        return {"clips": scene.clip_poses}
+
+    def solved(self, points: Float32Array, scene: CableRoutingScene) -> BoolArray:
+        """(F,) which clips the cable is routed through."""
+        return signed_crossings(points, scene.clip_poses) != 0
+
+    def matches(
+        self, achieved: FloatArray, desired: FloatArray, info: Mapping[str, Any]
+    ) -> BoolArray:
+        """(B, F) clips that both cables pass with the same net sign, each in its own scene."""
+        found = signed_crossings(achieved, info["clips"])
+        return found == signed_crossings(desired, info["goal_clips"])
+
+    def canonical_cloud(self) -> Float32Array:
+        """(200, 3) straight cable along x from the origin."""
+        cloud = np.zeros((CLOUD_POINTS, 3), dtype=np.float32)
+        cloud[:, 0] = np.linspace(0.0, DEFAULT_CABLE.length, CLOUD_POINTS)
+        return cloud
+
+
+class CableRoutingEnv(ContactEnv[CableRoutingScene]):
+    """Route a cable through two randomly placed clips.
+
+    One end of the cable is fixed, the other is held by a floating gripper. The goal is a pair of
+    clouds, cable and scene; success is not to match it point by point but to pass every clip's
+    throat as the goal does.
+
+    Observation: ``icd_envs.api.Observation``; the object cloud runs along the cable's centre line
+    from the fixed end to the held one.
+
+    Action: ``Box(-1, 1, (3,))``, translation of the gripper in units of 0.03 m per control step
+    of 0.05 s.
+
+    Reward: ``sparse``: 0 on success, else -1. ``dense``: complete rate - 1 - mean distance [m]
+    between corresponding points of object and goal.
+
+    End of episode: ``terminated`` once success has held for 10 steps, or if the physics diverged;
+    truncated after 300 steps.
+
+    Version history:
+        v0: first.
+    """
+
+    def __init__(
+        self,
+        *,
+        split: Split = "train",
+        reward_type: RewardType = "sparse",
+        render_mode: str | None = None,
+        width: int = 480,
+        height: int = 360,
+        camera: str = "overview",
+    ) -> None:
+        """Set the environment up; nothing is built before the first reset.
+
+        Args:
+            split: which scenes to draw; train and test never share one.
+            reward_type: ``sparse`` or ``dense``.
+            render_mode: None, ``rgb_array`` or ``depth_array``.
+            width: [px] of rendered pictures.
+            height: [px] of rendered pictures.
+            camera: ``overview``, ``side`` or ``top``.
+
+        Raises:
+            InvalidOptionError: on a value that an option cannot take.
+        """
+        super().__init__(
+            CableRouting(), split=split, reward_type=reward_type, render_mode=render_mode,
+            width=width, height=height, camera=camera,
+        )  # fmt: skip

@@ -1,0 +1,362 @@
+"""The Gymnasium environment around any task."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar, Final, Generic, Literal
+
+import gymnasium as gym
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+
+from icd_envs.api import Episode, Float64Array, FloatArray, Observation, SimState
+from icd_envs.errors import (
+    EpisodeStateError,
+    IncompatibleStateError,
+    InvalidActionError,
+    InvalidOptionError,
+    unknown_name,
+)
+from icd_envs.geometry.point_cloud import sample_scene
+from icd_envs.geometry.sdf import BoxUnion
+from icd_envs.physics.guard import BOUND
+from icd_envs.physics.simulator import RolloutSimulator
+from icd_envs.rendering import SceneRenderer
+from icd_envs.scenes.arena import SUBSTEPS, TIMESTEP
+from icd_envs.scenes.gripper import gripper_spheres
+from icd_envs.tasks.base import (
+    HOLD_STEPS,
+    SPLITS,
+    Problem,
+    SceneT,
+    Split,
+    Task,
+    check_choice,
+    check_seed,
+    draw_problem,
+    scene_rng,
+)
+
+RewardType = Literal["sparse", "dense"]
+
+SCENE_POINTS: Final = 1000
+FLOOR_POINTS: Final = 200
+CAMERAS: Final = ("overview", "side", "top")
+GOAL_RADIUS: Final = 0.004
+"""[m] thickness of the goal in pictures."""
+
+Info = dict[str, Any]
+
+
+class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
+    """Goal-conditioned manipulation of a deformable object by a translating gripper."""
+
+    metadata: ClassVar[dict[str, Any]] = {
+        "render_modes": ["rgb_array", "depth_array"],
+        "render_fps": round(1 / (SUBSTEPS * TIMESTEP)),
+    }
+
+    def __init__(
+        self,
+        task: Task[SceneT],
+        *,
+        split: Split,
+        reward_type: RewardType,
+        render_mode: str | None,
+        width: int,
+        height: int,
+        camera: str,
+    ) -> None:
+        """Set spaces up; see a task's own environment for the arguments."""
+        check_choice("split", split, SPLITS)
+        check_choice("reward_type", reward_type, ("sparse", "dense"))
+        check_choice("camera", camera, CAMERAS)
+        if render_mode is not None:
+            check_choice("render_mode", render_mode, tuple(self.metadata["render_modes"]))
+        for name, size in (("width", width), ("height", height)):
+            if not 1 <= size <= 1280:
+                raise InvalidOptionError(f"{name} must be in [1, 1280] px, got {size!r}")
+        self.task = task
+        self.split = split
+        self.reward_type = reward_type
+        self.render_mode = render_mode
+        self._view = (width, height, camera)
+        self.action_space = spaces.Box(-1.0, 1.0, (3,), np.float32)
+        cloud = task.canonical_cloud().shape
+        shapes = {
+            "observation": (6,),
+            "achieved_goal": cloud,
+            "desired_goal": cloud,
+            "scene": (SCENE_POINTS, 3),
+            "goal_scene": (SCENE_POINTS, 3),
+        }
+        self.observation_space = spaces.Dict(  # type: ignore[assignment]
+            {name: spaces.Box(-BOUND, BOUND, shape, np.float32) for name, shape in shapes.items()}
+        )
+        self._problem: Problem[SceneT] | None = None
+        self._simulators: list[RolloutSimulator] = []
+        self._renderer: SceneRenderer | None = None
+        self._closed = False
+        self._steps = self._held = 0
+        self._diverged = False
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, Info]:
+        """Draw a scene that the expert can solve, and a goal in it.
+
+        Args:
+            seed: fixes scene and goal, whatever happened before; None continues this
+                environment's own sequence of seeds.
+            options: no key is known yet.
+
+        Raises:
+            InvalidSeedError: if ``seed`` is not an integer in [0, 2**32).
+            InvalidOptionError: on any key in ``options``.
+            EpisodeStateError: after ``close``.
+            SceneGenerationError: if no solvable scene was found.
+        """
+        if self._closed:
+            raise EpisodeStateError("reset after close: make a new environment")
+        for key in options or {}:
+            raise InvalidOptionError(unknown_name("reset option", key, ()))
+        if seed is not None:
+            seed = check_seed(seed)
+        super().reset(seed=seed)
+        if seed is None:
+            seed = int(self.np_random.integers(2**32))
+        rng = scene_rng(self.split, seed)
+        self._release()
+        problem = draw_problem(self.task, rng, seed)
+        boxes = self.task.boxes(problem.scene)
+        self._problem = problem
+        self._signed_distance = BoxUnion(boxes)
+        self._scene_cloud = sample_scene(boxes, SCENE_POINTS, FLOOR_POINTS, rng)
+        self._goal = problem.oracle.points[-1].copy()
+        parameters = self.task.parameters(problem.scene)
+        self._parameters = {
+            **parameters,
+            **{f"goal_{name}": value.copy() for name, value in parameters.items()},
+        }
+        self._steps = self._held = 0
+        self._diverged = False
+        self._observation = self._observe(problem)
+        return self._copy_observation(), self._info(action_clipped=False)
+
+    def step(
+        self, action: NDArray[np.float32]
+    ) -> tuple[Observation, float, bool, bool, Info]:
+        """Move the gripper for one control step.
+
+        Stepping on after success is allowed: the episode simply goes on.
+
+        Args:
+            action: (3,) translation in units of ``action_scale``; clipped to [-1, 1].
+
+        Raises:
+            InvalidActionError: if it is not 3 finite numbers; nothing has changed then.
+            EpisodeStateError: before ``reset``, after a divergence, after ``close``.
+        """
+        problem = self._require_problem("step")
+        if self._diverged:
+            raise EpisodeStateError("step after the physics diverged: call reset first")
+        wanted = check_action(action)
+        clipped = np.clip(wanted, -1.0, 1.0)
+        problem.plant.step(clipped)
+        self._steps += 1
+        self._diverged = problem.plant.diverged()
+        if not self._diverged:
+            self._observation = self._observe(problem)
+        info = self._info(action_clipped=bool(np.any(clipped != wanted)))
+        self._held = self._held + 1 if info["is_success"] else 0
+        reward = self.compute_reward(
+            self._observation["achieved_goal"], self._observation["desired_goal"], info
+        )
+        terminated = self._diverged or self._held >= HOLD_STEPS
+        return self._copy_observation(), float(reward), terminated, False, info
+
+    def compute_reward(
+        self,
+        achieved_goal: FloatArray,
+        desired_goal: FloatArray,
+        info: Mapping[str, Any] | Sequence[Mapping[str, Any]] | NDArray[np.object_],
+    ) -> Any:
+        """Reward from its arguments alone, for single items and batches (relabelling).
+
+        Args:
+            achieved_goal: (N, 3) or (B, N, 3) [m].
+            desired_goal: the same shape.
+            info: the step's ``info``, or B of them.
+
+        Returns:
+            a float, or (B,) float64.
+        """
+        achieved = np.asarray(achieved_goal)
+        single = achieved.ndim == 2
+        desired = np.asarray(desired_goal)
+        infos = [info] if isinstance(info, Mapping) else list(info)
+        if single:
+            achieved, desired = achieved[None], desired[None]
+        parameters = {name: np.stack([item[name] for item in infos]) for name in self._names}
+        matched = self.task.matches(achieved, desired, parameters)
+        if self.reward_type == "sparse":
+            reward = matched.all(axis=-1) - 1.0
+        else:
+            distance = np.linalg.norm(achieved - desired, axis=-1).mean(axis=-1)
+            reward = matched.mean(axis=-1) - 1.0 - distance
+        return float(reward[0]) if single else np.asarray(reward, dtype=np.float64)
+
+    def episode(
+        self, *, simulator: bool = False, oracle: bool = False, threads: int = 1
+    ) -> Episode:
+        """What an agent is told at the start of this episode.
+
+        Args:
+            simulator: hand the simulator out (privileged).
+            oracle: hand the expert's solution out (privileged).
+            threads: for the simulator's rollouts; results do not depend on it.
+
+        Raises:
+            EpisodeStateError: before ``reset`` or after ``close``.
+        """
+        problem = self._require_problem("episode")
+        handle = None
+        if simulator:
+            handle = RolloutSimulator(
+                problem.plant, self.snapshot, self._signed_distance, max(1, threads)
+            )
+            self._simulators.append(handle)
+        return Episode(
+            env_id=self.task.env_id,
+            action_scale=self.task.action_scale,
+            control_period=problem.plant.control_period,
+            max_steps=self.task.max_steps,
+            canonical_cloud=self.task.canonical_cloud(),
+            gripper_spheres=gripper_spheres(),
+            simulator=handle,
+            oracle=problem.oracle if oracle else None,
+        )
+
+    def snapshot(self) -> SimState:
+        """The whole state, to come back to with ``restore``."""
+        plant = self._require_problem("snapshot").plant
+        return SimState(
+            self.task.env_id, plant.scene_id, plant.get_state(), self._steps, self._held
+        )
+
+    def restore(self, state: SimState) -> Observation:
+        """Return to a state of this scene; what follows is the same bit for bit.
+
+        Raises:
+            IncompatibleStateError: if it was taken in another environment or scene.
+            EpisodeStateError: before ``reset`` or after ``close``.
+        """
+        problem = self._require_problem("restore")
+        mine = (self.task.env_id, problem.plant.scene_id)
+        if (state.env_id, state.scene_id) != mine:
+            raise IncompatibleStateError(
+                f"state is of {(state.env_id, state.scene_id)}, this environment is at {mine}: "
+                "reset with the seed, split and options that the state was taken under"
+            )
+        problem.plant.set_state(state.physics)
+        self._steps, self._held, self._diverged = state.steps, state.held, False
+        self._observation = self._observe(problem)
+        return self._copy_observation()
+
+    def render(self) -> Any:
+        """(height, width, 3) uint8 picture or (height, width) float32 depth [m], or None.
+
+        Raises:
+            RenderingUnavailableError: if OpenGL does not start.
+            EpisodeStateError: before ``reset`` or after ``close``.
+        """
+        plant = self._require_problem("render").plant
+        if self.render_mode is None:
+            gym.logger.warn("render() without a render_mode: pass render_mode='rgb_array' to make")
+            return None
+        if self._renderer is None:
+            self._renderer = SceneRenderer(plant.model, *self._view)
+        if self.render_mode == "depth_array":
+            return self._renderer.depth(plant.data)
+        return self._renderer.rgb(plant.data, self._goal[::4], GOAL_RADIUS)
+
+    def close(self) -> None:
+        """Free threads and GL; a second call does nothing."""
+        self._release()
+        self._problem = None
+        self._closed = True
+
+    @property
+    def _names(self) -> tuple[str, ...]:
+        return ("clips", "goal_clips")
+
+    def _require_problem(self, call: str) -> Problem[SceneT]:
+        if self._closed:
+            raise EpisodeStateError(f"{call} after close: make a new environment")
+        if self._problem is None:
+            raise EpisodeStateError(f"{call} before the first reset: call reset(seed=...) first")
+        return self._problem
+
+    def _release(self) -> None:
+        for simulator in self._simulators:
+            simulator.close()
+        self._simulators.clear()
+        if self._renderer is not None:
+            self._renderer.close()
+            self._renderer = None
+
+    def _observe(self, problem: Problem[SceneT]) -> Observation:
+        plant = problem.plant
+        motion: Float64Array = np.concatenate([plant.gripper(), plant.gripper_velocity()])
+        return {
+            "observation": np.clip(motion, -BOUND, BOUND).astype(np.float32),
+            "achieved_goal": plant.points(),
+            "desired_goal": self._goal,
+            "scene": self._scene_cloud,
+            "goal_scene": self._scene_cloud,
+        }
+
+    def _copy_observation(self) -> Observation:
+        return {name: value.copy() for name, value in self._observation.items()}  # type: ignore
+
+    def _info(self, *, action_clipped: bool) -> Info:
+        observation = self._observation
+        parameters = {name: value[None] for name, value in self._parameters.items()}
+        matched = self.task.matches(
+            observation["achieved_goal"][None], observation["desired_goal"][None], parameters
+        )[0]
+        plant = self._require_problem("info").plant
+        return {
+            "is_success": bool(matched.all()) and not self._diverged,
+            "complete_rate": 0.0 if self._diverged else float(matched.mean()),
+            "diverged": self._diverged,
+            "action_clipped": action_clipped,
+            "buffer_overflows": plant.buffer_overflows(),
+            **{name: value.copy() for name, value in self._parameters.items()},
+        }
+
+
+def check_action(action: object) -> Float64Array:
+    """An action as 3 float64, not yet clipped.
+
+    Raises:
+        InvalidActionError: if it is not 3 finite numbers.
+    """
+    fix = "send 3 finite numbers in [-1, 1], e.g. env.action_space.sample()"
+    try:
+        array = np.asarray(action)
+        if array.dtype.kind not in "fiu":
+            raise InvalidActionError(f"action has dtype {array.dtype}, expected floats: {fix}")
+    except (TypeError, ValueError, RuntimeError) as error:
+        if isinstance(error, InvalidActionError):
+            raise
+        raise InvalidActionError(
+            f"action of type {type(action).__name__} does not convert to an array of shape (3,) "
+            f"({error}): {fix}"
+        ) from error
+    if array.shape != (3,):
+        raise InvalidActionError(f"action has shape {array.shape}, expected (3,): {fix}")
+    if not np.all(np.isfinite(array)):
+        raise InvalidActionError(f"action is {array.tolist()}, not finite: {fix}")
+    return array.astype(np.float64)

@@ -1,0 +1,94 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from icd_agent.chain import SubgoalChain
+from icd_envs.api import Float64Array
+from icd_envs.errors import InvalidOptionError
+
+
+def clouds(*xs: float) -> Float64Array:
+    """Clouds (L, 2, 3) whose points all have the given x."""
+    out = np.zeros((len(xs), 2, 3))
+    out[..., 0] = np.array(xs)[:, None]
+    return out
+
+
+def test_reached_subgoal_is_removed_with_all_before_it() -> None:
+    chain = SubgoalChain(clouds(0, 1, 2, 3, 4))
+    chain.advance(clouds(2.1)[0])
+    assert chain.index == 3
+    np.testing.assert_array_equal(chain.ahead(), clouds(3, 4))
+
+
+@pytest.mark.parametrize(("offset", "index"), [(0.34, 1), (0.36, 0)])
+def test_threshold_is_a_fraction_of_the_median_spacing(offset: float, index: int) -> None:
+    chain = SubgoalChain(10 * clouds(1, 2, 3, 13))  # spacings 10, 10, 100
+    chain.advance(10 * clouds(1 - offset)[0])
+    assert chain.index == index
+
+
+def test_distance_is_a_root_mean_square_whatever_the_number_of_points() -> None:
+    for count in (1, 7, 200):
+        subgoals = np.zeros((3, count, 3))
+        subgoals[:, :, 0] = np.arange(1, 4)[:, None]
+        chain = SubgoalChain(subgoals)
+        chain.advance(np.full((count, 3), (0.66, 0.0, 0.0)))
+        assert chain.index == 1
+
+
+def test_last_subgoal_is_never_removed() -> None:
+    chain = SubgoalChain(clouds(0, 1), patience=1)
+    for _ in range(10):
+        chain.advance(clouds(1)[0])
+    assert chain.index == 1
+    assert len(chain) == 2
+    np.testing.assert_array_equal(chain.ahead(), clouds(1))
+
+
+def test_single_subgoal_chain_keeps_its_goal() -> None:
+    chain = SubgoalChain(clouds(1), patience=1)
+    for x in (0.0, 1.0, 1.0):
+        chain.advance(clouds(x)[0])
+    np.testing.assert_array_equal(chain.ahead(), clouds(1))
+
+
+def test_window_hides_later_subgoals_from_cost_and_removal() -> None:
+    chain = SubgoalChain(clouds(0, 1, 2, 3, 4), window=2)
+    np.testing.assert_array_equal(chain.ahead(), clouds(0, 1))
+    chain.advance(clouds(4)[0])
+    assert chain.index == 0
+    chain.advance(clouds(1)[0])
+    np.testing.assert_array_equal(chain.ahead(), clouds(2, 3))
+
+
+def test_patience_skips_one_subgoal_after_so_many_steps() -> None:
+    chain = SubgoalChain(clouds(0, 1, 2, 3), patience=3)
+    indices = []
+    for _ in range(12):
+        chain.advance(clouds(-9)[0])
+        indices.append(chain.index)
+    assert indices == [0, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3]
+
+
+def test_progress_restores_patience() -> None:
+    chain = SubgoalChain(clouds(0, 1, 2, 3), patience=3)
+    indices = []
+    for x in (-9, -9, 0, -9, -9, -9, -9):
+        chain.advance(clouds(x)[0])
+        indices.append(chain.index)
+    assert indices == [0, 0, 1, 1, 1, 2, 2]
+
+
+def test_chain_keeps_its_own_copy() -> None:
+    subgoals = clouds(0, 1).astype(np.float32)
+    chain = SubgoalChain(subgoals)
+    subgoals[:] = 7
+    np.testing.assert_array_equal(chain.ahead(), clouds(0, 1))
+
+
+@pytest.mark.parametrize("bad", [np.zeros((0, 5, 3)), np.zeros((5, 3)), np.full((2, 5, 3), np.nan)])
+def test_unusable_chain_is_refused(bad: Float64Array) -> None:
+    with pytest.raises(InvalidOptionError, match="subgoals"):
+        SubgoalChain(bad)

@@ -1,0 +1,50 @@
+"""Rows and runs for the tests of the benchmark."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from benchmarks.episode import run_episode
+from benchmarks.plan import Job, Plan
+from benchmarks.rows import Row
+from benchmarks.runner import episodes, run
+from tests.bench import toy
+
+
+def make_row(**fields: Any) -> Row:
+    """A row of a finished, unsuccessful episode, but for the fields given."""
+    defaults: dict[str, Any] = {
+        "agent": "a",
+        "env": "E-v0",
+        "index": 0,
+        "seed": 1,
+        "status": "ok",
+        "success": False,
+        "complete": 0.5,
+        "steps": 10,
+        "return_": -10.0,
+        "diverged": False,
+        "message": "",
+        "seconds": 1.0,
+        "act_seconds": 0.1,
+        "privileged": False,
+    }
+    return Row(**{**defaults, **fields})
+
+
+def play(agent: type, env: str = toy.ENV, seed: int = 2) -> Row:
+    """One toy episode in this process."""
+    return run_episode(Job(toy.spec(agent), env, index=0, seed=seed))
+
+
+def run_toys(out: Path, *agents: type, n: int = 4, workers: int = 1, **options: Any) -> list[Row]:
+    """A run of toy agents, without times, in the plan's order."""
+    plan = Plan(tuple(toy.spec(agent) for agent in agents), (toy.ENV,), n, seed=7)
+    rows = run(plan, out, episodes(workers), workers=workers, **options)
+    return in_order(rows)
+
+
+def in_order(rows: list[Row]) -> list[Row]:
+    """Rows without times, sorted."""
+    return sorted((row.without_times() for row in rows), key=lambda row: row.key)

@@ -1,0 +1,62 @@
+"""Runs of several episodes, here and in worker processes."""
+
+from pathlib import Path
+
+from benchmarks.results import ROWS_NAME, read_rows
+from tests.bench import toy
+from tests.bench.making import run_toys
+
+
+def test_two_workers_give_the_rows_of_one_and_survive_a_dying_worker(tmp_path: Path) -> None:
+    alone = run_toys(tmp_path / "1", toy.Drunk, toy.Straight, n=4)
+    together = run_toys(tmp_path / "2", toy.Drunk, toy.Straight, toy.Killer, n=4, workers=2)
+    killers = [row for row in together if row.agent == toy.spec(toy.Killer)]
+    assert [row for row in together if row not in killers] == alone
+    assert len(killers) == 4
+    assert {row.seed % 2 for row in killers} == {0, 1}, "the test needs both kinds of episode"
+    for row in killers:
+        assert row.status == ("error" if row.seed % 2 else "ok")
+        assert ("worker died" in row.message) == bool(row.seed % 2)
+
+
+def test_rows_do_not_depend_on_the_other_agents(tmp_path: Path) -> None:
+    alone = run_toys(tmp_path / "1", toy.Drunk)
+    crowd = run_toys(tmp_path / "2", toy.Vandal, toy.Raiser, toy.Nan, toy.Drunk)
+    assert [row for row in crowd if row.agent == toy.spec(toy.Drunk)] == alone
+
+
+def test_all_agents_meet_the_same_scenes(tmp_path: Path) -> None:
+    rows = run_toys(tmp_path, toy.Straight, toy.Raiser)
+    seeds = {agent: [r.seed for r in rows if r.agent == agent] for agent in {r.agent for r in rows}}
+    straight, raiser = seeds.values()
+    assert straight == raiser
+    assert len(set(straight)) == 4
+
+
+def test_resume_adds_only_what_is_missing(tmp_path: Path) -> None:
+    whole = run_toys(tmp_path / "whole", toy.Drunk, toy.Raiser, n=5)
+    run_toys(tmp_path / "parts", toy.Drunk, n=2)
+    before = (tmp_path / "parts" / ROWS_NAME).read_bytes()
+    assert run_toys(tmp_path / "parts", toy.Drunk, toy.Raiser, n=5, resume=True) == whole
+    after = (tmp_path / "parts" / ROWS_NAME).read_bytes()
+    assert after.startswith(before)
+    assert after.count(b"\n") == 10
+    run_toys(tmp_path / "parts", toy.Drunk, toy.Raiser, n=5, resume=True)
+    assert (tmp_path / "parts" / ROWS_NAME).read_bytes() == after
+
+
+def test_rows_are_on_disk_before_the_next_episode(tmp_path: Path) -> None:
+    seen = []
+
+    class Watch:
+        def __init__(self, total: int, finished: object) -> None:
+            seen.append(total)
+
+        def __enter__(self) -> object:
+            return lambda row: seen.append(len(read_rows(tmp_path)))
+
+        def __exit__(self, *error: object) -> None:
+            seen.append("end")
+
+    run_toys(tmp_path, toy.Straight, n=3, watch=Watch)
+    assert seen == [3, 1, 2, 3, "end"]

@@ -1,0 +1,207 @@
+"""A point mass and agents that behave and misbehave, importable by worker processes."""
+
+from __future__ import annotations
+
+import os
+import time
+from pathlib import Path
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+from filelock import FileLock
+
+from icd_envs.api import Episode
+from icd_envs.errors import InvalidActionError, SceneGenerationError
+
+ENV = "tests.bench.toy:Toy-v0"
+UNSOLVABLE = "tests.bench.toy:ToyUnsolvable-v0"
+CRASHING = "tests.bench.toy:ToyCrashing-v0"
+NAN_RATE = "tests.bench.toy:ToyNanRate-v0"
+MAX_STEPS = 12
+LOCKS = "ICD_TOY_LOCKS"
+
+
+class ToyEnv(gym.Env[dict[str, np.ndarray], np.ndarray]):
+    """Reach the goal within 0.2; half complete when half the way is done."""
+
+    def __init__(self, split: str = "train", fault: str = "") -> None:
+        assert split == "test", "the benchmark must run on test scenes"
+        box = gym.spaces.Box(-10.0, 10.0, (3,), np.float64)
+        self.observation_space = gym.spaces.Dict({"observation": box, "desired_goal": box})
+        self.action_space = gym.spaces.Box(-1.0, 1.0, (3,), np.float64)
+        self._fault = fault
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+        super().reset(seed=seed)
+        if self._fault == "unsolvable":
+            raise SceneGenerationError(f"no solvable scene for seed {seed}")
+        self._position = np.zeros(3)
+        self._goal = self.np_random.uniform(-2.0, 2.0, 3)
+        return self._observation(), self._info()
+
+    def step(
+        self, action: np.ndarray
+    ) -> tuple[dict[str, np.ndarray], float, bool, bool, dict[str, Any]]:
+        if self._fault == "crashing":
+            raise RuntimeError("physics on fire")
+        action = np.asarray(action, dtype=float)
+        if action.shape != (3,) or not np.isfinite(action).all():
+            raise InvalidActionError(f"action must be (3,) and finite, got {action!r}")
+        self._position = self._position + 0.5 * np.clip(action, -1.0, 1.0)
+        info = self._info()
+        return self._observation(), -1.0, info["is_success"], False, info
+
+    def episode(self, simulator: bool, oracle: bool, threads: int) -> Episode:
+        return Episode(
+            env_id="Toy-v0",
+            action_scale=0.5,
+            control_period=0.05,
+            max_steps=MAX_STEPS,
+            canonical_cloud=np.zeros((1, 3), np.float32),
+            gripper_spheres=np.zeros((1, 4), np.float32),
+            simulator="simulator" if simulator else None,
+            oracle="oracle" if oracle else None,
+        )
+
+    def _observation(self) -> dict[str, np.ndarray]:
+        return {"observation": self._position, "desired_goal": self._goal}
+
+    def _info(self) -> dict[str, Any]:
+        left = float(np.linalg.norm(self._goal - self._position))
+        done = left < 0.2
+        half = left < 0.5 * float(np.linalg.norm(self._goal))
+        rate = float("nan") if self._fault == "nan rate" else 1.0 if done else 0.5 * half
+        return {"is_success": done, "complete_rate": rate, "diverged": False}
+
+
+def _register() -> None:
+    ids = {ENV: "", UNSOLVABLE: "unsolvable", CRASHING: "crashing", NAN_RATE: "nan rate"}
+    for env_id, fault in ids.items():
+        gym.register(
+            env_id.partition(":")[2],
+            "tests.bench.toy:ToyEnv",
+            max_episode_steps=MAX_STEPS,
+            kwargs={"fault": fault},
+        )
+
+
+_register()
+
+
+class Straight:
+    """Goes to the goal."""
+
+    def reset(self, episode: Episode, seed: int) -> None:
+        self.episode, self.seed = episode, seed
+
+    def act(self, observation: dict[str, np.ndarray]) -> np.ndarray:
+        return np.clip(2.0 * (observation["desired_goal"] - observation["observation"]), -1, 1)
+
+
+class Drunk(Straight):
+    """Goes to the goal, more or less."""
+
+    def reset(self, episode: Episode, seed: int) -> None:
+        super().reset(episode, seed)
+        self._rng = np.random.default_rng(seed)
+
+    def act(self, observation: dict[str, np.ndarray]) -> np.ndarray:
+        return super().act(observation) + self._rng.normal(0.0, 0.7, 3)
+
+
+class Slow(Drunk):
+    """Takes its time, and shows by a lock that its process is alive."""
+
+    def __init__(self) -> None:
+        if LOCKS in os.environ:
+            folder = Path(os.environ[LOCKS])
+            folder.mkdir(exist_ok=True)
+            self._alive = FileLock(folder / str(os.getpid()))
+            self._alive.acquire()
+
+    def act(self, observation: dict[str, np.ndarray]) -> np.ndarray:
+        time.sleep(0.02)
+        return super().act(observation)
+
+
+class Planner(Straight):
+    """Asks for the simulator."""
+
+    needs_simulator = True
+
+    def reset(self, episode: Episode, seed: int) -> None:
+        assert episode.simulator is not None
+        assert episode.oracle is None
+        super().reset(episode, seed)
+
+
+class Vandal(Straight):
+    """Writes into what it is shown."""
+
+    def act(self, observation: dict[str, np.ndarray]) -> np.ndarray:
+        action = super().act(observation)
+        for array in observation.values():
+            array[:] = 1e9
+        return action
+
+
+class Raiser(Straight):
+    """Raises in every other episode of one instance, and would stay broken after that."""
+
+    broken = False
+
+    def act(self, observation: dict[str, np.ndarray]) -> np.ndarray:
+        if self.broken or self.seed % 2:
+            self.broken = True
+            raise ZeroDivisionError("odd seeds are not for me")
+        return super().act(observation)
+
+
+class Quitter(Straight):
+    """Leaves the program."""
+
+    def act(self, observation: dict[str, np.ndarray]) -> np.ndarray:
+        raise SystemExit(4)
+
+
+class Nan(Straight):
+    """Acts with NaN."""
+
+    def act(self, observation: dict[str, np.ndarray]) -> np.ndarray:
+        return np.full(3, np.nan)
+
+
+class Flat(Straight):
+    """Acts with two numbers."""
+
+    def act(self, observation: dict[str, np.ndarray]) -> np.ndarray:
+        return np.zeros(2)
+
+
+class Killer(Straight):
+    """Kills its process in episodes of odd seed."""
+
+    def act(self, observation: dict[str, np.ndarray]) -> np.ndarray:
+        if self.seed % 2:
+            os._exit(11)
+        return super().act(observation)
+
+
+class Unready:
+    """Lacks act."""
+
+    def reset(self, episode: Episode, seed: int) -> None:
+        pass
+
+
+def make_straight() -> Straight:
+    """A factory."""
+    return Straight()
+
+
+def spec(agent: type | str) -> str:
+    """Name by which the benchmark finds an agent of this module."""
+    return f"tests.bench.toy:{agent if isinstance(agent, str) else agent.__name__}"

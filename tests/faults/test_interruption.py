@@ -1,0 +1,95 @@
+"""Runs that are killed or interrupted lose and repeat nothing."""
+
+import json
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from filelock import FileLock
+
+from benchmarks.results import ROWS_NAME, read_rows
+from tests.bench import toy
+from tests.bench.making import in_order
+
+ROOT = Path(__file__).parents[2]
+EPISODES = 6
+
+
+def command(out: Path, *more: str) -> list[str]:
+    run = ["run", "--agent", toy.spec(toy.Slow), "--agent", toy.spec(toy.Raiser), "--env", toy.ENV]
+    plan = ["--episodes", str(EPISODES), "--seed", "7", "--out", str(out), "--json", *more]
+    return [sys.executable, "-m", "benchmarks", *run, *plan]
+
+
+def start(out: Path, *more: str) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        command(out, *more), cwd=ROOT, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    )
+
+
+def finish(out: Path, *more: str) -> str:
+    done = subprocess.run(command(out, *more), cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 1, done.stderr  # Raiser's errors
+    return done.stdout
+
+
+def wait_for_rows(out: Path, count: int, process: subprocess.Popen[str]) -> None:
+    deadline = time.monotonic() + 60.0
+    while not (out / ROWS_NAME).exists() or (out / ROWS_NAME).read_bytes().count(b"\n") < count:
+        assert process.poll() is None, process.communicate()
+        assert time.monotonic() < deadline
+        time.sleep(0.005)
+
+
+def wait_until_dead(locks: Path, seconds: float) -> int:
+    """Number of processes whose agent held a lock; the system releases it when they die."""
+    for path in locks.iterdir():
+        with FileLock(path, timeout=seconds):
+            pass
+    return len(list(locks.iterdir()))
+
+
+def test_killed_run_resumes_to_the_uninterrupted_table(tmp_path: Path) -> None:
+    table = finish(tmp_path / "whole")
+    killed = tmp_path / "killed"
+    for rows, workers in ((1, "1"), (4, "2"), (7, "1")):
+        process = start(killed, "--resume", "--workers", workers)
+        wait_for_rows(killed, rows, process)
+        process.kill()
+        assert process.wait() == -signal.SIGKILL
+    assert json.loads(finish(killed, "--resume")) == json.loads(table)
+    assert in_order(read_rows(killed)) == in_order(read_rows(tmp_path / "whole"))
+    assert (killed / ROWS_NAME).read_bytes().count(b"\n") == 2 * EPISODES
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_ctrl_c_prints_the_partial_table_and_exits_130(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, workers: int
+) -> None:
+    monkeypatch.setenv(toy.LOCKS, str(tmp_path / "locks"))
+    process = start(tmp_path / "out", "--workers", str(workers))
+    wait_for_rows(tmp_path / "out", 2, process)
+    begun = time.monotonic()
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=30)
+    assert process.returncode == 130, err
+    assert time.monotonic() - begun < 5.0
+    episodes = sum(record["episodes"] for record in json.loads(out))
+    assert episodes == len(read_rows(tmp_path / "out")) >= 2
+    assert "--resume" in err
+    assert "Traceback" not in err
+    assert wait_until_dead(tmp_path / "locks", seconds=5.0) >= 1
+
+
+def test_workers_do_not_outlive_a_killed_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(toy.LOCKS, str(tmp_path / "locks"))
+    process = start(tmp_path / "out", "--workers", "2")
+    wait_for_rows(tmp_path / "out", 2, process)
+    process.kill()
+    process.wait()
+    assert wait_until_dead(tmp_path / "locks", seconds=5.0) >= 1
