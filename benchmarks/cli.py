@@ -1,4 +1,8 @@
-"""The command ``icd-bench``. Heavy imports happen inside the commands, so that help is quick."""
+"""The command ``icd-bench``.
+
+Heavy imports happen inside the commands, so that help is quick; what agents print goes to stderr,
+so that stdout holds the table or JSON alone.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +11,7 @@ import os
 import sys
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stdout
 from pathlib import Path
 from typing import Annotated
 
@@ -54,15 +58,19 @@ def list_() -> None:
 @main.command()
 def run(
     agent: Annotated[list[str], typer.Option(help="Name or module:attr; repeatable.")],
-    env: Annotated[list[str] | None, typer.Option(help="Environment id; repeatable.")] = None,
-    suite: Annotated[
-        str | None, typer.Option(help="Suite of environments and episodes [default: quick].")
+    env: Annotated[
+        list[str] | None, typer.Option(help="Environment id; repeatable; instead of the suite's.")
     ] = None,
-    episodes: Annotated[int | None, typer.Option(min=1, help="Episodes per pair.")] = None,
+    suite: Annotated[
+        str | None, typer.Option(help="Fixed environments and episodes.", show_default="quick")
+    ] = None,
+    episodes: Annotated[
+        int | None, typer.Option(min=1, help="Per agent and env, instead of the suite's.")
+    ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Base seed of all episodes.")] = 0,
     workers: Workers = 1,
     out: Annotated[
-        Path | None, typer.Option(help="Results folder [default: runs/<UTC time>].")
+        Path | None, typer.Option(help="Results folder.", show_default="runs/<UTC time>")
     ] = None,
     resume: Annotated[
         bool, typer.Option("--resume", help="Go on with the results in --out.")
@@ -84,24 +92,21 @@ def run(
             episodes=episodes or chosen.episodes,
             seed=seed,
         )
-        for env_id in plan.envs:
-            registry.check_env_id(env_id)
-        for name in plan.agents:
-            registry.agent_factory(name)
+        with redirect_stdout(sys.stderr):
+            for env_id in plan.envs:
+                registry.check_env_id(env_id)
+            for name in plan.agents:
+                registry.agent_factory(name)
+            work = runner.episodes(workers)
         if resume and out is None:
             raise InvalidOptionError("--resume needs --out: name the folder to go on with")
         folder = out or results.new_folder(Path("runs"))
         typer.echo(f"results: {folder}", err=True)
         interrupted = False
+        watch = progress.watching("episodes")
         try:
-            runner.run(
-                plan,
-                folder,
-                runner.episodes(workers),
-                workers=workers,
-                resume=resume,
-                watch=progress.watching("episodes"),
-            )
+            with redirect_stdout(sys.stderr):
+                runner.run(plan, folder, work, workers=workers, resume=resume, watch=watch)
         except KeyboardInterrupt:
             interrupted = True
             typer.echo(f"interrupted; go on with --out '{folder}' --resume", err=True)
@@ -125,7 +130,7 @@ def gates(
     only: Annotated[list[str] | None, typer.Option(help="Gate; repeatable.")] = None,
     workers: Workers = 1,
     out: Annotated[
-        Path | None, typer.Option(help="Results folder [default: runs/gates-<env>].")
+        Path | None, typer.Option(help="Results folder.", show_default="runs/gates-<env>")
     ] = None,
     resume: Annotated[bool, typer.Option(help="Go on with the results in --out.")] = True,
     as_json: AsJson = False,
@@ -140,9 +145,10 @@ def gates(
         folder = out or Path("runs") / f"gates-{env}"
         typer.echo(f"results: {folder}", err=True)
         try:
-            verdicts = run_gates(
-                env, chosen, folder, workers=workers, resume=resume, watch=progress.watching
-            )
+            with redirect_stdout(sys.stderr):
+                verdicts = run_gates(
+                    env, chosen, folder, workers=workers, resume=resume, watch=progress.watching
+                )
         except KeyboardInterrupt:
             typer.echo("interrupted; the same command goes on", err=True)
             raise typer.Exit(INTERRUPTED) from None

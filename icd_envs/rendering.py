@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import ctypes.util
+import itertools
 import os
 import sys
 import warnings
-from typing import TYPE_CHECKING, Any, Final
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,7 +59,7 @@ def _has_display() -> bool:
     return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
-def _headless_backends() -> Any:
+def _headless_backends() -> Iterator[str]:
     return (name for name, library in LIBRARIES.items() if ctypes.util.find_library(library))
 
 
@@ -78,6 +80,7 @@ class SceneRenderer:
         """
         import mujoco
 
+        self._model = model
         self._camera = camera
         try:
             self._renderer = mujoco.Renderer(model, height, width)
@@ -98,21 +101,27 @@ class SceneRenderer:
             radius: [m] of those capsules.
         """
         self._renderer.disable_depth_rendering()
-        self._renderer.update_scene(data, self._camera, self._options)
+        self._update(data)
         self._draw_line(goal, radius)
         return np.asarray(self._renderer.render())
 
     def depth(self, data: mujoco.MjData) -> Float32Array:
         """(height, width) distance from the camera plane [m], without the goal."""
         self._renderer.enable_depth_rendering()
-        self._renderer.update_scene(data, self._camera, self._options)
+        self._update(data)
         return np.asarray(self._renderer.render(), dtype=np.float32)
+
+    def _update(self, data: mujoco.MjData) -> None:
+        import mujoco
+
+        mujoco.mj_camlight(self._model, data)  # a plant that was only set has no cameras yet
+        self._renderer.update_scene(data, self._camera, self._options)
 
     def _draw_line(self, points: Float32Array, radius: float) -> None:
         import mujoco
 
         scene = self._renderer.scene
-        for start, end in zip(points[:-1], points[1:], strict=True):
+        for start, end in itertools.pairwise(points):
             if scene.ngeom >= scene.maxgeom:
                 break
             geom = scene.geoms[scene.ngeom]

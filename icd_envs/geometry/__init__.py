@@ -1,0 +1,1 @@
+"""Pure functions on clouds, polylines and boxes."""

@@ -1,0 +1,5 @@
+"""Compiled scenes, rollouts, divergence. A GL backend is chosen before MuJoCo loads one."""
+
+from icd_envs.rendering import choose_backend
+
+choose_backend()

@@ -34,16 +34,15 @@ def diverged(nodes: Float64Array, expected: float, reached: Float64Array) -> Boo
 def quiet_mujoco() -> Iterator[None]:
     """Keep MuJoCo's warnings off the console and out of a log file in the working directory.
 
-    They are counted in ``MjData.warning`` all the same. A handler of the caller's own stays.
+    They are counted in ``MjData.warning`` all the same. Whatever handler was there comes back:
+    dm_control installs one that logs every warning to the console.
     """
-    if mujoco.get_mju_user_warning() is not None:
-        yield
-        return
+    handler = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(_ignore)
     try:
         yield
     finally:
-        mujoco.set_mju_user_warning(None)
+        mujoco.set_mju_user_warning(handler)
 
 
 def _ignore(_message: str) -> None:

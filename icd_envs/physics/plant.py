@@ -116,11 +116,11 @@ class Plant:
         mujoco.mj_getState(self.model, self.data, state, INTEGRATION)
         return state
 
-    def set_state(self, state: Float64Array) -> None:
-        """Return to a state from ``get_state``.
+    def check_state(self, state: Float64Array) -> None:
+        """Refuse a state that this model cannot continue from.
 
         Raises:
-            IncompatibleStateError: if its size is not this model's.
+            IncompatibleStateError: if its size is not this model's, or if it is not finite.
         """
         size = mujoco.mj_stateSize(self.model, INTEGRATION)
         if state.shape != (size,):
@@ -128,6 +128,19 @@ class Plant:
                 f"state.physics has shape {state.shape}, this scene needs ({size},): restore it in "
                 "an environment reset with the same seed, split and options"
             )
+        if not np.all(np.isfinite(state)):
+            raise IncompatibleStateError(
+                "state.physics holds NaN or infinite values: the physics had diverged when it was "
+                "taken; take a snapshot before that"
+            )
+
+    def set_state(self, state: Float64Array) -> None:
+        """Return to a state from ``get_state``.
+
+        Raises:
+            IncompatibleStateError: see ``check_state``; nothing has changed then.
+        """
+        self.check_state(state)
         mujoco.mj_resetData(self.model, self.data)
         mujoco.mj_setState(self.model, self.data, state, INTEGRATION)
         mujoco.mj_kinematics(self.model, self.data)

@@ -4,19 +4,33 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from types import TracebackType
-from typing import Final
+from typing import Final, NamedTuple
 
 import mujoco
 import numpy as np
 from mujoco import rollout
 
 from icd_envs.api import Float64Array, FloatArray, Rollout, SimState
-from icd_envs.errors import IncompatibleStateError, InvalidActionError
+from icd_envs.errors import EpisodeStateError, IncompatibleStateError, InvalidActionError
 from icd_envs.physics.guard import diverged, quiet_mujoco
 from icd_envs.physics.plant import INTEGRATION, Plant
 from icd_envs.scenes.arena import SUBSTEPS
 
 FULL: Final = mujoco.mjtState.mjSTATE_FULLPHYSICS
+
+
+class Trace(NamedTuple):
+    """What MuJoCo returns for K samples of T physics steps.
+
+    Attributes:
+        states: (K, T, S) full physics state after each step; column 0 is the time [s].
+        sensors: (K, T, 3P) tracked positions [m] before each step.
+        end_time: [s] that every sample should have reached.
+    """
+
+    states: Float64Array
+    sensors: Float64Array
+    end_time: float
 
 
 class RolloutSimulator:
@@ -43,6 +57,7 @@ class RolloutSimulator:
         self._scratch = [mujoco.MjData(plant.model) for _ in range(threads)]
         # With 0 pool threads MuJoCo rolls out on the calling one.
         self._pool = rollout.Rollout(nthread=threads if threads > 1 else 0)
+        self._closed = False
 
     def snapshot(self) -> SimState:
         """State of the environment now."""
@@ -57,26 +72,54 @@ class RolloutSimulator:
 
         Raises:
             InvalidActionError: if ``actions`` is not a finite (K, H, 3) array with K, H >= 1.
-            IncompatibleStateError: if the state belongs to another scene.
+            IncompatibleStateError: if the state belongs to another scene or is not finite.
+            EpisodeStateError: after ``close``.
         """
-        actions = np.asarray(actions, dtype=np.float64)
-        if actions.ndim != 3 or actions.shape[2] != 3 or 0 in actions.shape:
-            raise InvalidActionError(f"actions has shape {actions.shape}, expected (K, H, 3)")
-        if not np.all(np.isfinite(actions)):
+        if self._closed:
+            raise EpisodeStateError(
+                "rollout on a simulator that reset or close has stopped: ask the environment's "
+                "episode(simulator=True) for a new one"
+            )
+        try:
+            sequences: Float64Array = np.asarray(actions, dtype=np.float64)
+        except (TypeError, ValueError) as error:
+            raise InvalidActionError(
+                f"actions of type {type(actions).__name__} does not convert to an array of shape "
+                f"(K, H, 3): {error}"
+            ) from error
+        if sequences.ndim != 3 or sequences.shape[2] != 3 or 0 in sequences.shape:
+            raise InvalidActionError(f"actions has shape {sequences.shape}, expected (K, H, 3)")
+        if not np.all(np.isfinite(sequences)):
             raise InvalidActionError("actions holds NaN or infinite values: send finite numbers")
         if state.scene_id != self._plant.scene_id:
             raise IncompatibleStateError(
                 f"state.scene_id is {state.scene_id!r}, this simulator's scene is "
                 f"{self._plant.scene_id!r}: take a new snapshot after every reset"
             )
-        model, scratch = self._plant.model, self._scratch[0]
-        mujoco.mj_setState(model, scratch, state.physics, INTEGRATION)
+        self._plant.check_state(state.physics)
+        trace = self.integrate(state, sequences)
+        nodes = trace.sensors[:, SUBSTEPS::SUBSTEPS].reshape(*sequences.shape[:2], -1, 3)
+        gripper = trace.states[:, SUBSTEPS - 1 : -1 : SUBSTEPS, 1 + self._plant.gripper_qpos]
+        failed = diverged(nodes, trace.end_time, trace.states[:, -1, 0])
+        if failed.any():
+            # Void, but finite: every entry shows the state the rollout began in.
+            scratch = self._load(state)
+            nodes[failed] = scratch.site_xpos[self._plant.node_sites]
+            gripper[failed] = scratch.qpos[self._plant.gripper_qpos]
+        return Rollout(self._plant.cloud(nodes), gripper.astype(np.float32), failed)
+
+    def integrate(self, state: SimState, actions: Float64Array) -> Trace:
+        """The bare physics of a rollout: K x (H x SUBSTEPS + 1) steps of MuJoCo.
+
+        Args:
+            state: where every sample begins; not checked.
+            actions: (K, H, 3), clipped to [-1, 1].
+        """
+        model, scratch = self._plant.model, self._load(state)
         initial = np.empty(mujoco.mj_stateSize(model, FULL))
         mujoco.mj_getState(model, scratch, initial, FULL)
         warmstart = scratch.qacc_warmstart.copy()
-
         # Sensors are read at the start of a physics step: one step more shows the last state.
-        samples, horizon, _ = actions.shape
         control = np.clip(actions, -1.0, 1.0) * self._plant.velocity_scale
         control = np.repeat(control, SUBSTEPS, axis=1)
         control = np.concatenate([control, control[:, -1:]], axis=1)
@@ -84,20 +127,18 @@ class RolloutSimulator:
             states, sensors = self._pool.rollout(
                 model, self._scratch, initial, control, initial_warmstart=warmstart
             )
-        nodes = sensors[:, SUBSTEPS::SUBSTEPS].reshape(samples, horizon, -1, 3)
-        gripper = states[:, SUBSTEPS - 1 : -1 : SUBSTEPS, 1 + self._plant.gripper_qpos]
-        expected = initial[0] + control.shape[1] * float(model.opt.timestep)
-        failed = diverged(nodes, expected, states[:, -1, 0])
-        if failed.any():
-            # Void, but finite: every entry shows the state the rollout began in.
-            mujoco.mj_setState(model, scratch, state.physics, INTEGRATION)
-            mujoco.mj_kinematics(model, scratch)
-            nodes[failed] = scratch.site_xpos[self._plant.node_sites]
-            gripper[failed] = scratch.qpos[self._plant.gripper_qpos]
-        return Rollout(self._plant.cloud(nodes), gripper.astype(np.float32), failed)
+        end_time = initial[0] + control.shape[1] * float(model.opt.timestep)
+        return Trace(states, sensors, float(end_time))
+
+    def _load(self, state: SimState) -> mujoco.MjData:
+        scratch = self._scratch[0]
+        mujoco.mj_setState(self._plant.model, scratch, state.physics, INTEGRATION)
+        mujoco.mj_kinematics(self._plant.model, scratch)
+        return scratch
 
     def close(self) -> None:
-        """Stop the threads."""
+        """Stop the threads; a second call does nothing."""
+        self._closed = True
         self._pool.close()
 
     def __enter__(self) -> RolloutSimulator:

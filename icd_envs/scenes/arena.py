@@ -6,12 +6,7 @@ from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
-
-from icd_envs.rendering import choose_backend
-
-choose_backend()  # before dm_control and MuJoCo load a GL library
-
-from dm_control import mjcf  # noqa: E402
+from dm_control import mjcf
 
 from icd_envs.scenes import layers
 
@@ -23,6 +18,10 @@ SUBSTEPS: Final = 10
 
 CONTACT_MARGIN: Final = 0.002
 """[m] removes the 1-3 mm penetration of a taut cable at no cost (docs/tasks)."""
+
+MAX_WIDTH: Final = 1280
+MAX_HEIGHT: Final = 960
+"""[px] of the largest picture."""
 
 
 def make_arena(name: str) -> mjcf.RootElement:
@@ -37,8 +36,8 @@ def make_arena(name: str) -> mjcf.RootElement:
     root.option.jacobian = "dense"
     # MuJoCo's silent self-reset would hide a divergence; physics.guard looks for it instead.
     root.option.flag.autoreset = "disable"
-    getattr(root.visual, "global").offwidth = 1280
-    getattr(root.visual, "global").offheight = 960
+    getattr(root.visual, "global").offwidth = MAX_WIDTH
+    getattr(root.visual, "global").offheight = MAX_HEIGHT
     root.visual.headlight.ambient = [0.35, 0.35, 0.35]
     root.asset.add(
         "texture", name="checker", type="2d", builtin="checker",

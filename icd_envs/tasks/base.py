@@ -39,6 +39,7 @@ class Task(Protocol[SceneT]):
     env_id: str
     max_steps: int
     action_scale: float
+    parameter_names: tuple[str, ...]
 
     def draw_scene(self, rng: np.random.Generator) -> SceneT:
         """A random scene, not yet known to be solvable."""
@@ -101,16 +102,15 @@ class Demonstration:
         return len(self.actions)
 
 
-def run_expert(
-    task: Task[SceneT], scene: SceneT, plant: Plant, expert: Expert
-) -> Demonstration:
+def run_expert(task: Task[SceneT], scene: SceneT, plant: Plant, expert: Expert) -> Demonstration:
     """Let an expert act from the plant's present state until success holds or time is up."""
     points = [plant.points()]
     actions: list[Float32Array] = []
     done = task.solved(points[-1], scene)
     held = 0
     while held < HOLD_STEPS and len(actions) < task.max_steps and not plant.diverged():
-        action = expert.act(plant.gripper(), points[-1]).astype(np.float32)
+        gripper = plant.gripper().astype(np.float32)  # as observed, so that an agent can repeat it
+        action = expert.act(gripper, points[-1]).astype(np.float32)
         plant.step(action)
         actions.append(action)
         points.append(plant.points())

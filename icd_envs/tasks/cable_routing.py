@@ -32,6 +32,7 @@ class CableRouting:
     env_id: str = "ICDCableRouting-v0"
     max_steps: int = 300
     action_scale: float = 0.03
+    parameter_names: tuple[str, ...] = ("clips",)
 
     def draw_scene(self, rng: np.random.Generator) -> CableRoutingScene:
         """Two clips at random places; see ``icd_envs.scenes.cable_routing``."""

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar, Final, Generic, Literal
+from typing import Any, Final, Generic, Literal, cast
 
 import gymnasium as gym
 import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from icd_envs.api import Episode, Float64Array, FloatArray, Observation, SimState
+from icd_envs.api import Episode, Float32Array, Float64Array, FloatArray, Observation, SimState
 from icd_envs.errors import (
     EpisodeStateError,
     IncompatibleStateError,
@@ -23,7 +23,7 @@ from icd_envs.geometry.sdf import BoxUnion
 from icd_envs.physics.guard import BOUND
 from icd_envs.physics.simulator import RolloutSimulator
 from icd_envs.rendering import SceneRenderer
-from icd_envs.scenes.arena import SUBSTEPS, TIMESTEP
+from icd_envs.scenes.arena import MAX_HEIGHT, MAX_WIDTH, SUBSTEPS, TIMESTEP
 from icd_envs.scenes.gripper import gripper_spheres
 from icd_envs.tasks.base import (
     HOLD_STEPS,
@@ -52,7 +52,7 @@ Info = dict[str, Any]
 class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
     """Goal-conditioned manipulation of a deformable object by a translating gripper."""
 
-    metadata: ClassVar[dict[str, Any]] = {
+    metadata: dict[str, Any] = {  # noqa: RUF012  Gymnasium's own declaration
         "render_modes": ["rgb_array", "depth_array"],
         "render_fps": round(1 / (SUBSTEPS * TIMESTEP)),
     }
@@ -74,9 +74,11 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
         check_choice("camera", camera, CAMERAS)
         if render_mode is not None:
             check_choice("render_mode", render_mode, tuple(self.metadata["render_modes"]))
-        for name, size in (("width", width), ("height", height)):
-            if not 1 <= size <= 1280:
-                raise InvalidOptionError(f"{name} must be in [1, 1280] px, got {size!r}")
+        for name, size, limit in (("width", width, MAX_WIDTH), ("height", height, MAX_HEIGHT)):
+            if type(size) is not int or not 1 <= size <= limit:
+                raise InvalidOptionError(
+                    f"{name} must be an integer in [1, {limit}] px, got {size!r}"
+                )
         self.task = task
         self.split = split
         self.reward_type = reward_type
@@ -144,9 +146,7 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
         self._observation = self._observe(problem)
         return self._copy_observation(), self._info(action_clipped=False)
 
-    def step(
-        self, action: NDArray[np.float32]
-    ) -> tuple[Observation, float, bool, bool, Info]:
+    def step(self, action: NDArray[np.float32]) -> tuple[Observation, float, bool, bool, Info]:
         """Move the gripper for one control step.
 
         Stepping on after success is allowed: the episode simply goes on.
@@ -174,14 +174,14 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
             self._observation["achieved_goal"], self._observation["desired_goal"], info
         )
         terminated = self._diverged or self._held >= HOLD_STEPS
-        return self._copy_observation(), float(reward), terminated, False, info
+        return self._copy_observation(), cast("float", reward), terminated, False, info
 
     def compute_reward(
         self,
         achieved_goal: FloatArray,
         desired_goal: FloatArray,
         info: Mapping[str, Any] | Sequence[Mapping[str, Any]] | NDArray[np.object_],
-    ) -> Any:
+    ) -> float | Float64Array:
         """Reward from its arguments alone, for single items and batches (relabelling).
 
         Args:
@@ -198,14 +198,15 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
         infos = [info] if isinstance(info, Mapping) else list(info)
         if single:
             achieved, desired = achieved[None], desired[None]
-        parameters = {name: np.stack([item[name] for item in infos]) for name in self._names}
+        names = [p + name for name in self.task.parameter_names for p in ("", "goal_")]
+        parameters = {name: np.stack([item[name] for item in infos]) for name in names}
         matched = self.task.matches(achieved, desired, parameters)
         if self.reward_type == "sparse":
-            reward = matched.all(axis=-1) - 1.0
+            reward = np.asarray(matched.all(axis=-1) - 1.0, dtype=np.float64)
         else:
             distance = np.linalg.norm(achieved - desired, axis=-1).mean(axis=-1)
-            reward = matched.mean(axis=-1) - 1.0 - distance
-        return float(reward[0]) if single else np.asarray(reward, dtype=np.float64)
+            reward = np.asarray(matched.mean(axis=-1) - 1.0 - distance, dtype=np.float64)
+        return float(reward[0]) if single else reward
 
     def episode(
         self, *, simulator: bool = False, oracle: bool = False, threads: int = 1
@@ -264,7 +265,7 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
         self._observation = self._observe(problem)
         return self._copy_observation()
 
-    def render(self) -> Any:
+    def render(self) -> NDArray[np.uint8] | Float32Array | None:
         """(height, width, 3) uint8 picture or (height, width) float32 depth [m], or None.
 
         Raises:
@@ -286,10 +287,6 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
         self._release()
         self._problem = None
         self._closed = True
-
-    @property
-    def _names(self) -> tuple[str, ...]:
-        return ("clips", "goal_clips")
 
     def _require_problem(self, call: str) -> Problem[SceneT]:
         if self._closed:

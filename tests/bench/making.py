@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 from benchmarks.episode import run_episode
 from benchmarks.plan import Job, Plan
@@ -12,9 +11,9 @@ from benchmarks.runner import episodes, run
 from tests.bench import toy
 
 
-def make_row(**fields: Any) -> Row:
+def make_row(**fields: object) -> Row:
     """A row of a finished, unsuccessful episode, but for the fields given."""
-    defaults: dict[str, Any] = {
+    defaults: dict[str, object] = {
         "agent": "a",
         "env": "E-v0",
         "index": 0,
@@ -38,7 +37,9 @@ def play(agent: type, env: str = toy.ENV, seed: int = 2) -> Row:
     return run_episode(Job(toy.spec(agent), env, index=0, seed=seed))
 
 
-def run_toys(out: Path, *agents: type, n: int = 4, workers: int = 1, **options: Any) -> list[Row]:
+def run_toys(
+    out: Path, *agents: type, n: int = 4, workers: int = 1, **options: object
+) -> list[Row]:
     """A run of toy agents, without times, in the plan's order."""
     plan = Plan(tuple(toy.spec(agent) for agent in agents), (toy.ENV,), n, seed=7)
     rows = run(plan, out, episodes(workers), workers=workers, **options)

@@ -59,8 +59,17 @@ def test_run_prints_a_table_and_report_repeats_it(tmp_path: Path) -> None:
     assert reported.stdout == ran.stdout
 
 
-def test_json_is_alone_on_stdout(tmp_path: Path) -> None:
-    ran = run(tmp_path / "out", toy.Straight, "--json")
+@pytest.mark.parametrize("workers", [1, 2])
+def test_json_is_alone_on_stdout(tmp_path: Path, workers: int) -> None:
+    command = ["run", "--agent", toy.spec(toy.Chatty), "--env", toy.ENV, "--episodes", "3"]
+    more = ["--workers", str(workers), "--out", str(tmp_path / "out"), "--json"]
+    ran = subprocess.run(
+        [sys.executable, "-m", "benchmarks", *command, *more],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert "thinking" in ran.stderr
     (record,) = json.loads(ran.stdout)
     assert (record["episodes"], record["errors"], record["success"]) == (3, 0, 1.0)
     assert json.loads(icd_bench("report", tmp_path / "out", "--json").stdout) == [record]

@@ -13,7 +13,16 @@ from benchmarks.statistics import wilson
 from benchmarks.tables import FOOTNOTE, print_summaries
 from tests.bench.making import make_row
 
-KEYS = "agent env episodes errors success success_ci complete complete_ci".split()
+KEYS = [
+    "agent",
+    "env",
+    "episodes",
+    "errors",
+    "success",
+    "success_ci",
+    "complete",
+    "complete_ci",
+]
 
 
 def save(folder: Path, rows: list[Row], *, seed: int = 0, agents: tuple[str, ...] = ("a",)) -> Path:

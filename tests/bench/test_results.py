@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -78,7 +79,7 @@ def test_garbage_in_the_middle_is_an_error_naming_the_line(
     tmp_path: Path, garbage: str, reason: str
 ) -> None:
     write(tmp_path, LINES[0] + garbage.rstrip("\n") + "\n" + LINES[2])
-    with pytest.raises(ResultsError, match=f"{ROWS_NAME}, {reason}"):
+    with pytest.raises(ResultsError, match=f"{re.escape(ROWS_NAME)}, {reason}"):
         read_rows(tmp_path)
 
 
@@ -95,7 +96,7 @@ def test_duplicates_that_differ_in_times_only_count_once(tmp_path: Path) -> None
 
 def test_duplicates_that_disagree_are_an_error(tmp_path: Path) -> None:
     write(tmp_path, LINES[0] + LINES[1] + make_row(index=0, success=True).to_line())
-    with pytest.raises(ResultsError, match="lines 1 and 3: two different rows.*index=0"):
+    with pytest.raises(ResultsError, match=r"lines 1 and 3: two different rows.*index=0"):
         read_rows(tmp_path)
 
 
@@ -178,7 +179,7 @@ def test_resume_refuses_another_plan(tmp_path: Path, plan: Plan) -> None:
 
 def test_resume_refuses_other_code_and_versions() -> None:
     old = describe(PLAN)
-    with pytest.raises(IncompatibleResultsError, match="mujoco: '0.1' there"):
+    with pytest.raises(IncompatibleResultsError, match=r"mujoco: '0\.1' there"):
         continued(dataclasses.replace(old, packages={**old.packages, "mujoco": "0.1"}), old)
     with pytest.raises(IncompatibleResultsError, match="code: 'sha256:0' there"):
         continued(dataclasses.replace(old, code="sha256:0"), old)

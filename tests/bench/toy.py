@@ -26,6 +26,7 @@ class ToyEnv(gym.Env[dict[str, np.ndarray], np.ndarray]):
     """Reach the goal within 0.2; half complete when half the way is done."""
 
     def __init__(self, split: str = "train", fault: str = "") -> None:
+        """Make one with or without a fault."""
         assert split == "test", "the benchmark must run on test scenes"
         box = gym.spaces.Box(-10.0, 10.0, (3,), np.float64)
         self.observation_space = gym.spaces.Dict({"observation": box, "desired_goal": box})
@@ -116,6 +117,7 @@ class Slow(Drunk):
     """Takes its time, and shows by a lock that its process is alive."""
 
     def __init__(self) -> None:
+        """Take the lock, if the test gave a folder for it."""
         if LOCKS in os.environ:
             folder = Path(os.environ[LOCKS])
             folder.mkdir(exist_ok=True)
@@ -136,6 +138,22 @@ class Planner(Straight):
         assert episode.simulator is not None
         assert episode.oracle is None
         super().reset(episode, seed)
+
+
+class Chatty(Straight):
+    """Prints."""
+
+    def act(self, observation: dict[str, np.ndarray]) -> np.ndarray:
+        print("thinking")
+        return super().act(observation)
+
+
+class Sleeper(Slow):
+    """Falls asleep."""
+
+    def act(self, observation: dict[str, np.ndarray]) -> np.ndarray:
+        time.sleep(60.0)
+        return super().act(observation)
 
 
 class Vandal(Straight):

@@ -19,7 +19,7 @@ EPISODES = 6
 
 
 def command(out: Path, *more: str) -> list[str]:
-    run = ["run", "--agent", toy.spec(toy.Slow), "--agent", toy.spec(toy.Raiser), "--env", toy.ENV]
+    run = ["run", "--agent", toy.spec(toy.Raiser), "--agent", toy.spec(toy.Slow), "--env", toy.ENV]
     plan = ["--episodes", str(EPISODES), "--seed", "7", "--out", str(out), "--json", *more]
     return [sys.executable, "-m", "benchmarks", *run, *plan]
 
@@ -70,7 +70,8 @@ def test_ctrl_c_prints_the_partial_table_and_exits_130(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, workers: int
 ) -> None:
     monkeypatch.setenv(toy.LOCKS, str(tmp_path / "locks"))
-    process = start(tmp_path / "out", "--workers", str(workers))
+    sleeper = ("--agent", toy.spec(toy.Sleeper))
+    process = start(tmp_path / "out", *sleeper, "--workers", str(workers))
     wait_for_rows(tmp_path / "out", 2, process)
     begun = time.monotonic()
     process.send_signal(signal.SIGINT)

@@ -1,0 +1,42 @@
+# make bench   set up and print the benchmark's table      make test    set up and run the tests
+# make check   format, lint, types, import contracts       make setup   only set up
+
+PYTHON ?= python3
+VENV ?= .venv
+BIN := $(VENV)/bin
+EPISODES ?= 2
+WORKERS ?= 2
+OUT ?= runs/bench
+
+.PHONY: setup setup-dev bench test check clean
+
+setup: $(VENV)/.installed
+setup-dev: $(VENV)/.installed-dev
+
+$(VENV)/bin/python:
+	$(PYTHON) -c 'import sys; sys.exit("Python >= 3.11 is needed, this is %d.%d" % sys.version_info[:2] if sys.version_info < (3, 11) else 0)'
+	$(PYTHON) -m venv $(VENV)
+
+$(VENV)/.installed: pyproject.toml constraints.txt | $(VENV)/bin/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e .
+	@touch $@
+
+$(VENV)/.installed-dev: $(VENV)/.installed
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev]'
+	@touch $@
+
+bench: setup
+	$(BIN)/icd-bench run --agent pc-mppi --agent expert --agent random --env ICDCableRouting-v0 \
+		--episodes $(EPISODES) --workers $(WORKERS) --out $(OUT) --resume
+
+test: setup-dev
+	$(BIN)/python -m pytest
+
+check: setup-dev
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+clean:
+	rm -rf $(VENV) build dist *.egg-info runs
