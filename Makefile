@@ -6,7 +6,6 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 EPISODES ?= 2
 WORKERS ?= 2
-OUT ?= runs/bench
 
 .PHONY: setup setup-dev bench test check clean
 
@@ -27,7 +26,7 @@ $(VENV)/.installed-dev: $(VENV)/.installed
 
 bench: setup
 	$(BIN)/icd-bench run --agent pc-mppi --agent expert --agent random --env ICDCableRouting-v0 \
-		--episodes $(EPISODES) --workers $(WORKERS) --out $(OUT) --resume
+		--episodes $(EPISODES) --workers $(WORKERS)
 
 test: setup-dev
 	$(BIN)/python -m pytest

@@ -42,4 +42,5 @@ class OracleSource:
 def make_oracle_points() -> SubgoalTracker:
     """Build rung 1: oracle subgoals, distances in points; what fails here is the tracking."""
     space = PointSpace()
-    return SubgoalTracker(OracleSource(space), space, preset("paper"), TrackerConfig(window=3))
+    config = TrackerConfig(window=3, patience=None)
+    return SubgoalTracker(OracleSource(space), space, preset("paper"), config)

@@ -29,7 +29,7 @@ CLEARANCE_TOP: Final = 0.16
 """[m] height of the arm above the clip it is lifted over; a clip is 0.09 m tall."""
 SWEEP: Final = 0.14
 """[m] how far past the throat's centre the arm sweeps, against the clip's wall."""
-SEATED: Final = 0.0
+SEATED: Final = 0.005
 """[m] a cable deeper in the throat than this, in the clip's x, needs no further sweep."""
 TAUT: Final = 0.985
 """Distance of the gripper from the pivot, as a share of the free length."""
@@ -76,7 +76,7 @@ def draw_style(rng: np.random.Generator, clips: int) -> Style:
             detour = (rng.uniform(-np.pi, np.pi), rng.uniform(0.0, 0.6))
         else:
             intents[rng.integers(clips)] = "wrong" if fault == 0 else "skip"
-    return Style(tuple(intents), rng.uniform(0.015, 0.03), rng.uniform(0.0, 0.01), detour)
+    return Style(tuple(intents), rng.uniform(0.018, 0.03), rng.uniform(0.0, 0.01), detour)
 
 
 class CableRoutingExpert:

@@ -16,7 +16,7 @@ FLOOR_MARGIN: Final = 0.2
 SURFACE: Final = 1e-6
 """[m] a sampled point deeper than this lies inside another box and is not visible."""
 LOWEST: Final = 1e-4
-"""[m] undersides standing on the floor are not visible."""
+"""[m] undersides standing on the floor, and the floor below them, are not visible."""
 
 
 def sample_scene(
@@ -36,20 +36,25 @@ def sample_scene(
     Returns:
         (count, 3) [m], world frame, fixtures first.
     """
-    surface = _exposed(boxes, count - floor, rng)
+    union = BoxUnion(boxes)
+    surface = _exposed(boxes, union, count - floor, rng)
     low = surface[:, :2].min(axis=0) - FLOOR_MARGIN
     high = surface[:, :2].max(axis=0) + FLOOR_MARGIN
-    ground = np.column_stack([rng.uniform(low, high, (floor, 2)), np.zeros(floor)])
-    return np.concatenate([surface, ground]).astype(np.float32)
+    ground = np.empty((0, 3))
+    while len(ground) < floor:
+        points = np.column_stack([rng.uniform(low, high, (floor, 2)), np.zeros(floor)])
+        ground = np.concatenate([ground, points[union(points) > LOWEST]])
+    return np.concatenate([surface, ground[:floor]]).astype(np.float32)
 
 
-def _exposed(boxes: Sequence[Box], count: int, rng: np.random.Generator) -> Float64Array:
+def _exposed(
+    boxes: Sequence[Box], union: BoxUnion, count: int, rng: np.random.Generator
+) -> Float64Array:
     import trimesh
 
     mesh = trimesh.util.concatenate(
         [trimesh.creation.box(2 * box.half, transform=_pose(box)) for box in boxes]
     )
-    union = BoxUnion(boxes)
     found = np.empty((0, 3))
     while len(found) < count:
         points, _ = trimesh.sample.sample_surface(mesh, 2 * count, seed=rng)

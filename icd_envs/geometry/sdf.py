@@ -39,7 +39,7 @@ class BoxUnion:
         Returns:
             (M,) [m].
         """
-        local = (points @ self._to_local).reshape(len(points), -1, 3)
+        local = (points @ self._to_local).reshape(len(points), len(self._half), 3)
         excess = np.abs(local - self._local_centers) - self._half
         outside = np.linalg.norm(np.maximum(excess, 0.0), axis=-1)
         inside = np.minimum(excess.max(axis=-1), 0.0)

@@ -67,7 +67,8 @@ class Plant:
         self.gripper_qvel = np.array([joint.dofadr[0] for joint in joints])
         count = int(self.model.nsensor)
         self.node_sites = np.array([self.model.site(f"node_{i}").id for i in range(count)])
-        mujoco.mj_forward(self.model, self.data)
+        with quiet_mujoco():
+            mujoco.mj_forward(self.model, self.data)
 
     def step(self, action: FloatArray) -> None:
         """Advance one control step.

@@ -9,15 +9,16 @@ import numpy as np
 from dm_control import mjcf
 
 from icd_envs.scenes import layers
+from icd_envs.scenes.layers import CONTACT_MARGIN
 
 TIMESTEP: Final = 0.005
 """[s] physics step."""
 
+CONTACT_TIME: Final = 0.01
+"""[s] time constant of contacts, twice the step: a taut cable sinks 1.5 mm in, not 5 mm."""
+
 SUBSTEPS: Final = 10
 """Physics steps per control step."""
-
-CONTACT_MARGIN: Final = 0.002
-"""[m] removes the 1-3 mm penetration of a taut cable at no cost (docs/tasks)."""
 
 MAX_WIDTH: Final = 1280
 MAX_HEIGHT: Final = 960
@@ -34,18 +35,21 @@ def make_arena(name: str) -> mjcf.RootElement:
     root.option.solver = "Newton"
     root.option.iterations = 5
     root.option.jacobian = "dense"
+    root.default.geom.solref = [CONTACT_TIME, 1.0]
     # MuJoCo's silent self-reset would hide a divergence; physics.guard looks for it instead.
     root.option.flag.autoreset = "disable"
     getattr(root.visual, "global").offwidth = MAX_WIDTH
     getattr(root.visual, "global").offheight = MAX_HEIGHT
     root.visual.headlight.ambient = [0.35, 0.35, 0.35]
     root.asset.add(
-        "texture", name="checker", type="2d", builtin="checker",
-        rgb1=[0.32, 0.42, 0.5], rgb2=[0.25, 0.34, 0.42], width=256, height=256,
+        "texture", name="sky", type="skybox", builtin="gradient", rgb1=[0.78, 0.83, 0.88],
+        rgb2=[0.55, 0.62, 0.7], width=64, height=64,
     )  # fmt: skip
     root.asset.add(
-        "material", name="checker", texture="checker", texrepeat=[8, 8], reflectance=0.05
-    )
+        "texture", name="checker", type="2d", builtin="checker",
+        rgb1=[0.5, 0.55, 0.6], rgb2=[0.43, 0.48, 0.53], width=256, height=256,
+    )  # fmt: skip
+    root.asset.add("material", name="checker", texture="checker", texrepeat=[8, 8])
     root.worldbody.add("light", pos=[0.3, -0.5, 2.0], dir=[0, 0.2, -1], castshadow=True)
     root.worldbody.add(
         "geom", name="floor", type="plane", size=[2, 2, 0.1], material="checker",

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from icd_envs.api import Float64Array
+from icd_envs.scenes import layers
 from icd_envs.scenes.boxes import Box
 from icd_envs.scenes.cable import DEFAULT_CABLE, CableSpec, add_cable
 from icd_envs.scenes.clip import Clip, add_clip
@@ -24,11 +25,11 @@ WORKSPACE: Final = ((-1.1, -1.1, 0.012), (1.1, 1.1, 0.6))
 START_BEARING: Final = (-np.pi / 2 - 0.15, -np.pi / 2 + 0.15)
 """[rad] the cable starts about 90 degrees away from the route."""
 
-FIRST_BEARING: Final = (-0.35, 0.25)
+FIRST_BEARING: Final = (-0.15, 0.45)
 """[rad] of clip 1 from the anchor."""
 FIRST_DISTANCE: Final = (0.25, 0.38)
 """[m]"""
-TURN: Final = (-0.7, 0.0)
+TURN: Final = (-0.8, -0.3)
 """[rad] the route turns right at clip 1, into its wall: the mouth opens to the left."""
 NEXT_DISTANCE: Final = (0.24, 0.34)
 """[m]"""
@@ -36,10 +37,14 @@ AXIS_JITTER: Final = (-0.3, 0.3)
 """[rad] of the throat's axis about the route."""
 
 
+GRASP_SOLREF: Final = (0.01, 1.0)
+GRASP_SOLIMP: Final = (0.99, 0.999, 0.001, 0.5, 2.0)
+"""Stiffness of the grasp: a taut cable stays within 3 mm of the fingers, not 22 mm."""
+
 CAMERAS: Final = (
-    ("overview", (1.25, -1.15, 0.85), (0.30, -0.20, 0.08)),
-    ("side", (0.45, -1.1, 0.25), (0.42, 0.0, 0.06)),
-    ("top", (0.35, -0.25, 1.9), (0.35, -0.2499, 0.0)),
+    ("overview", (1.45, -1.40, 1.05), (0.38, -0.24, 0.0)),
+    ("side", (0.45, -0.95, 0.35), (0.42, -0.05, 0.06)),
+    ("top", (0.35, -0.25, 1.7), (0.35, -0.2499, 0.0)),
 )
 """Name, position [m], point looked at [m]."""
 
@@ -100,12 +105,15 @@ def build_scene(scene: CableRoutingScene) -> mjcf.RootElement:
         add_clip(root, clip, f"clip_{i}")
     root.worldbody.add(
         "geom", name="anchor", type="cylinder", size=[0.012, scene.anchor[2] / 2],
-        pos=[*scene.anchor[:2], scene.anchor[2] / 2], contype=0, conaffinity=0,
-        rgba=[0.35, 0.36, 0.38, 1], group=1,
+        pos=[*scene.anchor[:2], scene.anchor[2] / 2], rgba=[0.35, 0.36, 0.38, 1],
+        **layers.VISUAL,
     )  # fmt: skip
     for name, position, look_at in CAMERAS:
         add_camera(root, name, position, look_at)
     add_cable(root, scene.cable, scene.anchor, scene.start_bearing)
     add_gripper(root, np.array(WORKSPACE))
-    root.equality.add("connect", name="grasp", site1="grasp", site2=f"node_{scene.cable.links}")
+    root.equality.add(
+        "connect", name="grasp", site1="grasp", site2=f"node_{scene.cable.links}",
+        solref=GRASP_SOLREF, solimp=GRASP_SOLIMP,
+    )  # fmt: skip
     return root

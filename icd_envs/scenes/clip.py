@@ -15,8 +15,8 @@ import numpy as np
 
 from icd_envs.api import Float64Array, FloatArray
 from icd_envs.scenes import layers
-from icd_envs.scenes.arena import CONTACT_MARGIN
 from icd_envs.scenes.boxes import Box, rotation_y, rotation_z
+from icd_envs.scenes.layers import CONTACT_MARGIN
 
 if TYPE_CHECKING:
     from dm_control import mjcf

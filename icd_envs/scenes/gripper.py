@@ -21,7 +21,7 @@ MASS: Final = 0.5
 """[kg], without gravity."""
 SERVO_GAIN: Final = 100.0
 """[N s/m] velocity error to force."""
-FORCE_LIMIT: Final = 10.0
+FORCE_LIMIT: Final = 5.0
 """[N] per axis."""
 
 PALM_CENTER: Final = (0.0, 0.0, 0.085)

@@ -1,0 +1,124 @@
+"""Any order of calls, against a model: what is seen depends on seed and actions alone."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, Phase, settings
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
+
+from icd_envs.api import Observation, SimState
+from icd_envs.errors import EpisodeStateError, IncompatibleStateError, InvalidActionError
+from tests.envs.making import digest, make, random_actions
+
+History = tuple[Any, ...]
+"""The seed of the last reset and the actions since, by number."""
+
+ACTIONS = random_actions(11, 3)
+SEEDS = st.sampled_from([0, 1])
+CHOICES = st.integers(0, len(ACTIONS) - 1)
+
+
+class EnvMachine(RuleBasedStateMachine):
+    """One environment, and what its history says about it."""
+
+    seen: ClassVar[dict[History, str]] = {}
+    """What any environment showed after each history."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.env = make()
+        self.history: History | None = None
+        self.snapshots: list[tuple[History, SimState]] = []
+        self.closed = False
+
+    def arrive(self, history: History, observation: Observation) -> None:
+        """The same history has always shown the same."""
+        self.history = history
+        assert self.env.observation_space.contains(observation)
+        bits = digest([observation])
+        assert self.seen.setdefault(history, bits) == bits
+
+    @precondition(lambda self: not self.closed)
+    @rule(seed=SEEDS)
+    def reset(self, seed: int) -> None:
+        observation, info = self.env.reset(seed=seed)
+        assert not info["diverged"]
+        self.arrive((seed,), observation)
+
+    @precondition(lambda self: self.history and not self.closed)
+    @rule(choices=st.lists(CHOICES, min_size=1, max_size=3))
+    def step(self, choices: list[int]) -> None:
+        for choice in choices:
+            observation, reward, terminated, truncated, info = self.env.step(ACTIONS[choice])
+            assert (terminated, truncated, info["diverged"]) == (False, False, False)
+            assert reward in (-1.0, 0.0)
+            assert self.history is not None
+            self.arrive((*self.history, choice), observation)
+
+    @precondition(lambda self: self.history and not self.closed)
+    @rule()
+    def snapshot(self) -> None:
+        assert self.history is not None
+        state = self.env.snapshot()
+        assert state.steps == len(self.history) - 1
+        self.snapshots.append((self.history, state))
+
+    @precondition(lambda self: self.snapshots and self.history and not self.closed)
+    @rule(data=st.data())
+    def restore(self, data: st.DataObject) -> None:
+        history, state = data.draw(st.sampled_from(self.snapshots))
+        assert self.history is not None
+        if history[0] != self.history[0]:
+            with pytest.raises(IncompatibleStateError):
+                self.env.restore(state)
+        else:
+            self.arrive(history, self.env.restore(state))
+
+    @precondition(lambda self: self.history and not self.closed)
+    @rule(choice=CHOICES)
+    def roll_out(self, choice: int) -> None:
+        with pytest.raises(InvalidActionError):
+            self.env.step(np.full(3, np.nan))
+        simulator = self.env.episode(simulator=True).simulator
+        assert simulator is not None
+        assert not simulator.rollout(self.env.snapshot(), ACTIONS[None, [choice]]).diverged.any()
+
+    @precondition(lambda self: not self.closed and len(self.snapshots) > 2)
+    @rule()
+    def close(self) -> None:
+        self.env.close()
+        self.closed = True
+
+    @precondition(lambda self: self.closed)
+    @rule()
+    def begin_again(self) -> None:
+        """A new environment takes the snapshots of the old one."""
+        self.env, self.history, self.closed = make(), None, False
+
+    @invariant()
+    def calls_out_of_order_are_refused(self) -> None:
+        if self.closed or self.history is None:
+            for call in (self.env.snapshot, self.env.episode, lambda: self.env.step(np.zeros(3))):
+                with pytest.raises(EpisodeStateError):
+                    call()
+        if self.closed:
+            self.env.close()
+            with pytest.raises(EpisodeStateError):
+                self.env.reset(seed=0)
+
+    def teardown(self) -> None:
+        self.env.close()
+
+
+TestEnvMachine = EnvMachine.TestCase
+TestEnvMachine.settings = settings(
+    max_examples=6,
+    stateful_step_count=12,
+    deadline=None,
+    phases=[Phase.explicit, Phase.reuse, Phase.generate],  # to shrink a failure takes minutes
+    suppress_health_check=list(HealthCheck),
+)

@@ -1,0 +1,131 @@
+"""What must hold for every environment."""
+
+from __future__ import annotations
+
+import random
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from icd_envs.tasks.env import ContactEnv
+from tests.envs.making import digest, make, play, random_actions, state_bits
+
+ROOT = Path(__file__).parents[2]
+INFO = {"is_success": bool, "complete_rate": float, "diverged": bool, "action_clipped": bool}
+
+DIGEST = """
+import sys
+from tests.envs.making import digest, make, play, random_actions
+env = make(sys.argv[1])
+first = env.reset(seed=int(sys.argv[2]))[0]
+print(digest([first, *play(env, random_actions(2, 100))]))
+"""
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_rollout_equals_steps_bit_for_bit(env: ContactEnv[Any], threads: int) -> None:
+    env.reset(seed=1)
+    actions = random_actions(1, 50)
+    simulator = env.episode(simulator=True, threads=threads).simulator
+    assert simulator is not None
+    rollout = simulator.rollout(env.snapshot(), np.repeat(actions[None], 3, axis=0))
+    seen = play(env, actions)
+    cloud = np.stack([observation["achieved_goal"] for observation in seen])
+    gripper = np.stack([observation["observation"][:3] for observation in seen])
+    for k in range(3):
+        assert rollout.points[k].tobytes() == cloud.tobytes()
+        assert rollout.gripper[k].tobytes() == gripper.tobytes()
+    assert not rollout.diverged.any()
+
+
+def test_rollouts_do_not_depend_on_the_number_of_threads(env: ContactEnv[Any]) -> None:
+    actions, state = random_actions(2, 8, 6), env.snapshot()
+    found = []
+    for threads in (1, 2, 3):
+        simulator = env.episode(simulator=True, threads=threads).simulator
+        assert simulator is not None
+        rollout = simulator.rollout(state, actions)
+        found.append((rollout.points.tobytes(), rollout.gripper.tobytes()))
+    assert found[0] == found[1] == found[2]
+
+
+def test_restored_state_continues_bit_for_bit(env: ContactEnv[Any]) -> None:
+    env.reset(seed=2)
+    play(env, random_actions(3, 10))
+    state = env.snapshot()
+    first = play(env, random_actions(4, 30))
+    here = env.restore(state)
+    assert state_bits(env) == state.physics.tobytes()
+    assert (env.snapshot().steps, env.snapshot().held) == (state.steps, state.held)
+    assert digest([here]) == digest([env.restore(env.snapshot())])
+    assert digest(play(env, random_actions(4, 30))) == digest(first)
+
+
+def test_snapshot_is_not_changed_by_what_follows(env: ContactEnv[Any]) -> None:
+    state = env.snapshot()
+    before = state.physics.copy()
+    play(env, random_actions(5, 5))
+    np.testing.assert_array_equal(state.physics, before)
+    env.restore(state)
+
+
+def test_same_seed_gives_the_same_hundred_steps_in_another_process(env: ContactEnv[Any]) -> None:
+    first = env.reset(seed=3)[0]
+    here = digest([first, *play(env, random_actions(2, 100))])
+    command = [sys.executable, "-c", DIGEST, env.task.env_id, "3"]
+    there = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+    assert there.stdout.split()[-1] == here
+
+
+def test_reset_forgets_history_and_ignores_rollouts_and_global_seeds(
+    env: ContactEnv[Any],
+) -> None:
+    plain = make(env.task.env_id)
+    first = digest([plain.reset(seed=4)[0], *play(plain, random_actions(6, 20))])
+    plain.close()
+    env.reset(seed=9)
+    play(env, random_actions(7, 30))
+    np.random.seed(1)  # noqa: NPY002
+    seen = [env.reset(seed=4)[0]]
+    simulator = env.episode(simulator=True, oracle=True, threads=2).simulator
+    assert simulator is not None
+    for i, action in enumerate(random_actions(6, 20)):
+        np.random.seed(i)  # noqa: NPY002
+        before = state_bits(env)
+        simulator.rollout(env.snapshot(), random_actions(i, 4, 3))
+        assert state_bits(env) == before
+        seen.append(env.step(action)[0])
+    assert digest(seen) == first
+
+
+def test_global_random_state_is_left_alone(env: ContactEnv[Any]) -> None:
+    np.random.seed(5)  # noqa: NPY002
+    random.seed(5)
+    states = repr(np.random.get_state()), random.getstate()  # noqa: NPY002
+    env.reset(seed=5)
+    env.reset()
+    play(env, random_actions(8, 5))
+    simulator = env.episode(simulator=True).simulator
+    assert simulator is not None
+    simulator.rollout(env.snapshot(), random_actions(8, 2, 2))
+    assert (repr(np.random.get_state()), random.getstate()) == states  # noqa: NPY002
+
+
+def test_unseeded_resets_follow_from_the_last_seed(env: ContactEnv[Any]) -> None:
+    runs = []
+    for _ in range(2):
+        env.reset(seed=6)
+        runs.append([digest([env.reset()[0]]) for _ in range(2)])
+    assert runs[0] == runs[1]
+    assert len(set(runs[0])) == 2
+
+
+def test_splits_and_seeds_draw_different_scenes(env: ContactEnv[Any]) -> None:
+    train = make(env.task.env_id, split="train")
+    scenes = [e.reset(seed=s)[0]["scene"].tobytes() for e, s in ((env, 0), (env, 1), (train, 0))]
+    assert len(set(scenes)) == 3
+    train.close()

@@ -1,0 +1,61 @@
+"""What the README shows must run as it stands there."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def block(language: str, marker: str) -> str:
+    found = [
+        text for text in re.findall(rf"```{language}\n(.*?)```", README, re.S) if marker in text
+    ]
+    assert len(found) == 1, f"expected one {language} block with {marker!r}"
+    return found[0]
+
+
+def test_readme_environment_example_runs() -> None:
+    code = block("python", "gym.make")
+    result = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=120
+    )
+    assert result.returncode == 0, result.stderr
+    assert result.stdout.split() == ["False", "0.0", "(200,", "3)"]
+
+
+def test_readme_agent_example_gets_a_row_in_the_table(tmp_path: Path) -> None:
+    (tmp_path / "my_agent.py").write_text(block("python", "my_agent.py"), encoding="utf-8")
+    command = re.search(r"icd-bench (run --agent my_agent:Pull .*) --episodes 20", README)
+    assert command is not None
+    arguments = [*command[1].split(), "--episodes", "2", "--out", "mine", "--json"]
+    result = subprocess.run(
+        [sys.executable, "-m", "benchmarks", *arguments],
+        capture_output=True, text=True, check=False, timeout=240, cwd=tmp_path,
+    )  # fmt: skip
+    assert result.returncode == 0, result.stderr
+    (row,) = json.loads(result.stdout)
+    assert (row["agent"], row["episodes"], row["errors"]) == ("my_agent:Pull", 2, 0)
+
+
+def test_readme_names_only_commands_and_options_that_exist() -> None:
+    commands = re.findall(r"^icd-bench (.*?)(?:\s*#.*)?$", README, re.M)
+    assert len(commands) >= 6
+    for command in commands:
+        verb, *words = command.split()
+        shown = subprocess.run(
+            [sys.executable, "-m", "benchmarks", verb, "--help"],
+            capture_output=True, text=True, check=True, timeout=60,
+        ).stdout  # fmt: skip
+        for option in (word for word in words if word.startswith("--")):
+            assert option in shown, f"icd-bench {verb} has no {option}"
+
+
+def test_readme_links_lead_to_files() -> None:
+    for target in re.findall(r"\]\(([^)#]+)\)", README):
+        assert (ROOT / target).exists(), f"README links to a missing file: {target}"

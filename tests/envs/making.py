@@ -1,0 +1,53 @@
+"""Environments, actions and comparisons that several test files share."""
+
+from __future__ import annotations
+
+import hashlib
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+
+import icd_envs  # noqa: F401  registers the environments
+from icd_envs.api import Float32Array, Observation
+from icd_envs.physics.plant import Plant
+from icd_envs.tasks.env import ContactEnv
+
+CABLE = "ICDCableRouting-v0"
+
+
+def make(env_id: str = CABLE, **options: object) -> ContactEnv[Any]:
+    """An environment without wrappers, on test scenes."""
+    env = gym.make(env_id, **{"split": "test", **options}).unwrapped
+    assert isinstance(env, ContactEnv)
+    return env
+
+
+def random_actions(seed: int, *shape: int) -> Float32Array:
+    """(*shape, 3) in [-1, 1]."""
+    return np.random.default_rng(seed).uniform(-1.0, 1.0, (*shape, 3)).astype(np.float32)
+
+
+def play(env: ContactEnv[Any], actions: Float32Array) -> list[Observation]:
+    """What is observed after each action."""
+    return [env.step(action)[0] for action in actions]
+
+
+def digest(observations: list[Observation]) -> str:
+    """Fingerprint of every bit observed."""
+    found = hashlib.sha256()
+    for observation in observations:
+        for name in sorted(observation):
+            found.update(name.encode() + observation[name].tobytes())  # type: ignore[literal-required]
+    return found.hexdigest()
+
+
+def plant_of(env: ContactEnv[Any]) -> Plant:
+    """The physics behind an environment, to break it on purpose."""
+    assert env._problem is not None
+    return env._problem.plant
+
+
+def state_bits(env: ContactEnv[Any]) -> bytes:
+    """The whole simulation state."""
+    return env.snapshot().physics.tobytes()

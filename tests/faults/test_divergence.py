@@ -1,0 +1,135 @@
+"""Physics that blows up, states that do not fit, and buffers that are full."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from icd_envs.errors import EpisodeStateError, IncompatibleStateError
+from icd_envs.physics.plant import FULL_BUFFERS, Plant, TrackedCloud
+from icd_envs.tasks.env import ContactEnv
+from tests.envs.making import digest, make, plant_of, play, random_actions, state_bits
+
+
+def crowded_plant() -> Plant:
+    """A hundred balls on a floor, and memory for a fraction of their contacts."""
+    balls = "".join(
+        f'<body pos="{x} {y} 0.049"><freejoint/><geom size="0.05"/></body>'
+        for x in range(10)
+        for y in range(10)
+    )
+    slides = "".join(
+        f'<joint name="slide_{axis}" type="slide" axis="{vector}"/>'
+        for axis, vector in (("x", "1 0 0"), ("y", "0 1 0"), ("z", "0 0 1"))
+    )
+    servos = "".join(f'<velocity joint="slide_{axis}"/>' for axis in "xyz")
+    xml = f"""<mujoco><size memory="100K"/><option timestep="0.005"/><worldbody>
+        <geom type="plane" size="20 20 1"/>{balls}
+        <body pos="0 0 1">{slides}<geom size="0.01"/><site name="node_0"/></body></worldbody>
+        <sensor><framepos objtype="site" objname="node_0"/></sensor>
+        <actuator>{servos}</actuator></mujoco>"""
+    return Plant(xml, TrackedCloud(np.array([0]), np.zeros((1, 1))), 0.03)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e7, 1e12, 1e300])
+@pytest.mark.parametrize("where", ["qpos", "qvel"])
+def test_divergence_ends_the_episode_with_a_finite_observation(
+    env: ContactEnv[Any],
+    where: str,
+    value: float,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    start, _ = env.reset(seed=1)
+    state = env.snapshot()
+    getattr(plant_of(env).data, where)[7] = value
+    observation, reward, terminated, truncated, info = env.step(np.zeros(3))
+    assert (terminated, truncated) == (True, False)
+    assert info["diverged"] is True
+    assert (info["is_success"], info["complete_rate"], reward) == (False, 0.0, -1.0)
+    assert env.observation_space.contains(observation)
+    assert env.observation_space.contains(start)
+    with pytest.raises(EpisodeStateError, match="diverged"):
+        env.step(np.zeros(3))
+    observation = env.restore(state)
+    assert digest([observation]) == digest([start])
+    _, _, terminated, _, info = env.step(np.zeros(3))
+    assert (terminated, info["diverged"]) == (False, False)
+    assert list(tmp_path.iterdir()) == []
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("velocity", [1.0, 10.0, 1e3, 1e5, 1e8])
+def test_rollouts_diverge_where_steps_do(env: ContactEnv[Any], velocity: float) -> None:
+    env.reset(seed=1)
+    simulator = env.episode(simulator=True).simulator
+    assert simulator is not None
+    plant_of(env).data.qvel[7] = velocity
+    predicted = bool(simulator.rollout(env.snapshot(), np.zeros((1, 5, 3))).diverged[0])
+    happened = False
+    for _ in range(5):
+        happened = happened or env.step(np.zeros(3))[4]["diverged"]
+        if happened:
+            break
+    assert predicted == happened
+    assert happened == (velocity > 100.0)
+
+
+def test_reset_after_a_divergence_is_as_good_as_new(env: ContactEnv[Any]) -> None:
+    expected = digest([env.reset(seed=2)[0], *play(env, random_actions(2, 10))])
+    plant_of(env).data.qpos[:] = np.nan
+    assert env.step(np.zeros(3))[4]["diverged"]
+    assert digest([env.reset(seed=2)[0], *play(env, random_actions(2, 10))]) == expected
+
+
+def test_snapshot_of_a_divergence_is_refused_and_nothing_changes(env: ContactEnv[Any]) -> None:
+    env.reset(seed=1)
+    good = env.snapshot()
+    plant_of(env).data.qpos[7] = np.nan
+    bad = env.snapshot()
+    env.restore(good)
+    simulator = env.episode(simulator=True).simulator
+    assert simulator is not None
+    with pytest.raises(IncompatibleStateError, match="NaN"):
+        env.restore(bad)
+    with pytest.raises(IncompatibleStateError, match="NaN"):
+        simulator.rollout(bad, np.zeros((2, 3, 3)))
+    assert state_bits(env) == good.physics.tobytes()
+
+
+@pytest.mark.parametrize("change", ["seed", "split", "env id", "size"])
+def test_foreign_snapshot_is_refused_and_nothing_changes(env: ContactEnv[Any], change: str) -> None:
+    env.reset(seed=1)
+    mine = env.snapshot()
+    other = make(env.task.env_id, split="train" if change == "split" else "test")
+    other.reset(seed=2 if change == "seed" else 1)
+    foreign = other.snapshot()
+    other.close()
+    if change == "env id":
+        foreign = dataclasses.replace(foreign, env_id="ICDOther-v0")
+    if change == "size":
+        foreign = dataclasses.replace(foreign, physics=foreign.physics[:-1])
+    with pytest.raises(IncompatibleStateError, match="seed, split and options"):
+        env.restore(foreign)
+    assert state_bits(env) == mine.physics.tobytes()
+
+
+def test_full_buffers_are_counted_and_reported(env: ContactEnv[Any]) -> None:
+    plant = crowded_plant()
+    start = plant.get_state()
+    plant.set_state(start)
+    assert plant.buffer_overflows() == 0
+    plant.step(np.zeros(3))
+    assert plant.buffer_overflows() > 0
+    plant.set_state(start)
+    assert plant.buffer_overflows() == 0
+    env.reset(seed=1)
+    plant_of(env).data.warning[int(FULL_BUFFERS[0])].number = 3
+    assert env.step(np.zeros(3))[4]["buffer_overflows"] == 3
+    assert env.reset(seed=1)[1]["buffer_overflows"] == 0
