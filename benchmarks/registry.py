@@ -41,7 +41,7 @@ def agent_factory(name: str) -> AgentFactory:
             f"agent {name!r} is {factory!r}: name a factory, or a class with reset(episode, seed) "
             "and act(observation)"
         )
-    return factory  # type: ignore[no-any-return]
+    return factory
 
 
 def make_agent(name: str) -> Agent:

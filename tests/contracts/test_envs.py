@@ -27,8 +27,14 @@ print(digest([first, *play(env, random_actions(2, 100))]))
 
 
 @pytest.mark.parametrize("threads", [1, 2])
-def test_rollout_equals_steps_bit_for_bit(env: ContactEnv[Any], threads: int) -> None:
+@pytest.mark.parametrize("solved_share", [0.0, 0.6, 1.0])
+def test_rollout_equals_steps_bit_for_bit(
+    env: ContactEnv[Any], threads: int, solved_share: float
+) -> None:
     env.reset(seed=1)
+    oracle = env.episode(oracle=True).oracle
+    assert oracle is not None
+    play(env, oracle.actions[: int(solved_share * len(oracle.actions))])
     actions = random_actions(1, 50)
     simulator = env.episode(simulator=True, threads=threads).simulator
     assert simulator is not None

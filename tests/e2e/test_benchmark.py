@@ -9,7 +9,6 @@ import subprocess
 import sys
 import time
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -17,12 +16,13 @@ CLI = [sys.executable, "-m", "benchmarks"]
 ENV_ID = "ICDCableRouting-v0"
 
 
-def table(*arguments: str) -> Any:
+def table(*arguments: str) -> list[dict[str, object]]:
     result = subprocess.run(
         [*CLI, *arguments, "--json"], capture_output=True, text=True, check=False, timeout=3000
     )
     assert result.returncode == 0, result.stderr
-    return json.loads(result.stdout)
+    rows: list[dict[str, object]] = json.loads(result.stdout)
+    return rows
 
 
 def test_expert_solves_and_random_does_not(tmp_path: Path) -> None:
