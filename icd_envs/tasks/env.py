@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Final, Generic, Literal, cast
+from typing import Any, Final, Generic, Literal
 
 import gymnasium as gym
 import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from icd_envs.api import Episode, Float32Array, Float64Array, FloatArray, Observation, SimState
+from icd_envs.api import (
+    BoolArray,
+    Episode,
+    Float32Array,
+    Float64Array,
+    FloatArray,
+    Observation,
+    SimState,
+)
 from icd_envs.errors import (
     EpisodeStateError,
     IncompatibleStateError,
@@ -144,7 +152,7 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
         self._steps = self._held = 0
         self._diverged = False
         self._observation = self._observe(problem)
-        return self._copy_observation(), self._info(action_clipped=False)
+        return self._copy_observation(), self._info(self._match(), action_clipped=False)
 
     def step(self, action: NDArray[np.float32]) -> tuple[Observation, float, bool, bool, Info]:
         """Move the gripper for one control step.
@@ -168,13 +176,14 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
         self._diverged = problem.plant.diverged()
         if not self._diverged:
             self._observation = self._observe(problem)
-        info = self._info(action_clipped=bool(np.any(clipped != wanted)))
+        matched = self._match()
+        info = self._info(matched, action_clipped=bool(np.any(clipped != wanted)))
         self._held = self._held + 1 if info["is_success"] else 0
-        reward = self.compute_reward(
-            self._observation["achieved_goal"], self._observation["desired_goal"], info
+        reward = self._reward(
+            matched, self._observation["achieved_goal"], self._observation["desired_goal"]
         )
         terminated = self._diverged or self._held >= HOLD_STEPS
-        return self._copy_observation(), cast("float", reward), terminated, False, info
+        return self._copy_observation(), float(reward), terminated, False, info
 
     def compute_reward(
         self,
@@ -201,12 +210,17 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
         names = [p + name for name in self.task.parameter_names for p in ("", "goal_")]
         parameters = {name: np.stack([item[name] for item in infos]) for name in names}
         matched = self.task.matches(achieved, desired, parameters)
-        if self.reward_type == "sparse":
-            reward = np.asarray(matched.all(axis=-1) - 1.0, dtype=np.float64)
-        else:
-            distance = np.linalg.norm(achieved - desired, axis=-1).mean(axis=-1)
-            reward = np.asarray(matched.mean(axis=-1) - 1.0 - distance, dtype=np.float64)
+        reward = self._reward(matched, achieved, desired)
         return float(reward[0]) if single else reward
+
+    def _reward(
+        self, matched: BoolArray, achieved: FloatArray, desired: FloatArray
+    ) -> Float64Array:
+        """Reward (...) of parts matched (..., F) and clouds (..., N, 3)."""
+        if self.reward_type == "sparse":
+            return np.asarray(matched.all(axis=-1) - 1.0, dtype=np.float64)
+        distance = np.linalg.norm(achieved - desired, axis=-1).mean(axis=-1)
+        return np.asarray(matched.mean(axis=-1) - 1.0 - distance, dtype=np.float64)
 
     def episode(
         self, *, simulator: bool = False, oracle: bool = False, threads: int = 1
@@ -317,12 +331,15 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
     def _copy_observation(self) -> Observation:
         return {name: value.copy() for name, value in self._observation.items()}  # type: ignore
 
-    def _info(self, *, action_clipped: bool) -> Info:
+    def _match(self) -> BoolArray:
+        """(F,) parts of the goal that are reached now."""
         observation = self._observation
         parameters = {name: value[None] for name, value in self._parameters.items()}
-        matched = self.task.matches(
+        return self.task.matches(
             observation["achieved_goal"][None], observation["desired_goal"][None], parameters
         )[0]
+
+    def _info(self, matched: BoolArray, *, action_clipped: bool) -> Info:
         plant = self._require_problem("info").plant
         return {
             "is_success": bool(matched.all()) and not self._diverged,
