@@ -1,5 +1,6 @@
 # make bench   set up and print the benchmark's table      make test    set up and run the tests
 # make check   format, lint, types, import contracts       make setup   only set up
+# make wheel   build the wheel and run one episode from it
 
 PYTHON ?= python3
 VENV ?= .venv
@@ -7,7 +8,7 @@ BIN := $(VENV)/bin
 EPISODES ?= 2
 WORKERS ?= 2
 
-.PHONY: setup setup-dev bench test check clean
+.PHONY: setup setup-dev bench test check wheel clean
 
 setup: $(VENV)/.installed
 setup-dev: $(VENV)/.installed-dev
@@ -36,6 +37,13 @@ check: setup-dev
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+wheel: setup
+	rm -rf build dist
+	$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir dist .
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --target build/site dist/*.whl
+	cd build && PYTHONPATH=site ../$(BIN)/python -m benchmarks run --agent expert \
+		--env ICDCableRouting-v0 --episodes 1 --out run
 
 clean:
 	rm -rf $(VENV) build dist *.egg-info runs
