@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import resource
 import subprocess
 import sys
 from pathlib import Path
@@ -49,6 +50,22 @@ def loaded(*modules: str) -> set[str]:
 )
 def test_import_loads_no_more_than_it_needs(module: str, unwanted: set[str]) -> None:
     assert loaded(module) & unwanted == set()
+
+
+def cpu_seconds(*command: str) -> float:
+    """User and system time of a finished process, which hardly depends on the machine's load."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    subprocess.run([sys.executable, *command], cwd=ROOT, check=True, capture_output=True)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+@pytest.mark.parametrize(
+    ("command", "limit"),
+    [(("-c", "import icd_envs"), 0.6), (("-m", "benchmarks", "--help"), 0.5)],
+)
+def test_start_up_is_quick(command: tuple[str, ...], limit: float) -> None:
+    assert min(cpu_seconds(*command) for _ in range(3)) < limit
 
 
 def test_importing_twice_registers_once() -> None:
