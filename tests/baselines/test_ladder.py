@@ -31,7 +31,7 @@ def test_chain_is_every_tenth_state_and_the_last_once(steps: int, kept: int) -> 
 def test_oracle_points_follow_the_expert_round_the_detour() -> None:
     world, agent = ToyWorld(goal=(0.3, 0.0, 0.0)), make_oracle_points()
     assert agent.mppi_config == PAPER
-    assert agent.config.window == 3
+    assert agent.config.window == 1
     assert agent.needs_oracle
     agent.reset(world.episode(expert(60)), 0)
     path = [world.position]
