@@ -23,7 +23,7 @@ Phase = Literal["detour", "lift", "swing", "lower", "sweep"]
 
 PHASES: Final[tuple[Phase, ...]] = ("detour", "lift", "swing", "lower", "sweep")
 
-CLEARANCE_SIDE: Final = 0.10
+CLEARANCE_SIDE: Final = 0.115
 """[m] the arm passes this far beside the throat's centre before it is lowered."""
 CLEARANCE_TOP: Final = 0.16
 """[m] height of the arm above the clip it is lifted over; a clip is 0.09 m tall."""

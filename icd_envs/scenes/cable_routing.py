@@ -31,7 +31,7 @@ FIRST_DISTANCE: Final = (0.25, 0.38)
 """[m]"""
 TURN: Final = (-0.8, -0.3)
 """[rad] the route turns right at clip 1, into its wall: the mouth opens to the left."""
-NEXT_DISTANCE: Final = (0.24, 0.34)
+NEXT_DISTANCE: Final = (0.26, 0.36)
 """[m]"""
 AXIS_JITTER: Final = (-0.3, 0.3)
 """[rad] of the throat's axis about the route."""
