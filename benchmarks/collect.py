@@ -106,8 +106,8 @@ def _record(header: Header, shard: Shard) -> Recorded:
 def _lost(shard: Shard) -> Recorded:
     seeds = ", ".join(str(job.seed) for job in shard.jobs)
     raise ResultsError(
-        f"worker died twice in shard {shard.number}: the process was killed (out of memory?) or crashed; "
-        f"the finished shards are kept; seeds {seeds}"
+        f"worker died twice in shard {shard.number}: the process was killed (out of memory?) or "
+        f"crashed; what is finished is kept; seeds {seeds}"
     )
 
 

@@ -6,8 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from time import perf_counter
 
-from benchmarks.collect import AGENT, collect
-from benchmarks.rows import Row
+from benchmarks.collect import collect
 from benchmarks.runner import Watch
 from icd_envs.demonstrations import Demonstrations, find_task
 from icd_envs.demonstrations.header import Header, shard_path

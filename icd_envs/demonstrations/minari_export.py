@@ -167,7 +167,10 @@ class _Played(NamedTuple):
 
 
 def _play(
-    env: gym.Env[Any, Any], episode: RecordedEpisode, observation: Any, info: dict[str, Any]
+    env: gym.Env[Any, Any],
+    episode: RecordedEpisode,
+    observation: dict[str, Any],
+    info: dict[str, Any],
 ) -> _Played:
     played = _Played([observation], [info], [], [])
     for action in episode.actions:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from icd_envs.api import BoolArray, Float32Array
+from icd_envs.api import BoolArray, Float32Array, Float64Array
 from icd_envs.demonstrations.experts import find_task
 from icd_envs.demonstrations.header import Header, read_header, shard_path
 from icd_envs.demonstrations.shard import PARAMETER, Arrays, read_shard
@@ -196,7 +196,7 @@ class Demonstrations:
         return self._cloud(replayed)
 
     @cached_property
-    def _cloud(self) -> Any:
+    def _cloud(self) -> Callable[[Float64Array], Float32Array]:
         # It is the same for all scenes; compiling one takes about 0.1 s.
         scene = self._task.draw_scene(scene_rng(self.header.split, int(self.seeds[0])))
         return self._task.make_plant(scene).cloud

@@ -87,7 +87,7 @@ def encode(recordings: Sequence[Recording]) -> bytes:
         stacked = np.stack([r.parameters[name] for r in recordings])
         arrays[PARAMETER + name] = stacked.astype("<f8")
     content = io.BytesIO()
-    np.savez(content, **arrays)
+    np.savez(content, **arrays)  # type: ignore[arg-type]  # no array is called allow_pickle
     return content.getvalue()
 
 

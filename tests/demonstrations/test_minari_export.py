@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import builtins
 from pathlib import Path
-from typing import Any
 
 import gymnasium as gym
 import numpy as np
@@ -34,7 +33,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return make_folder(tmp_path_factory.mktemp("demonstrations"), episodes=2)
 
 
-def assert_repeats(dataset: Any) -> None:
+def assert_repeats(dataset: minari.MinariDataset) -> None:
     env = dataset.recover_environment()
     for episode in dataset.iterate_episodes():
         seed = next(iter(dataset.storage.get_episode_metadata([episode.id])))["seed"]
@@ -87,7 +86,7 @@ def test_record_that_the_environment_does_not_repeat_makes_no_dataset(
 ) -> None:
     demonstrations = Demonstrations(folder)
     demonstrations.actions[1] *= 0.5
-    with pytest.raises(DemonstrationsError, match="episode 0.*does not repeat"):
+    with pytest.raises(DemonstrationsError, match=r"episode 0.*does not repeat"):
         export(demonstrations, ID)
     assert minari.list_local_datasets() == {}
     assert not list(root.rglob("*.parquet"))
@@ -106,7 +105,7 @@ def test_taken_or_malformed_id_is_refused(root: Path) -> None:
 def test_missing_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     found = builtins.__import__
 
-    def without_minari(name: str, *arguments: Any) -> Any:
+    def without_minari(name: str, *arguments: object) -> object:
         if name.startswith("minari"):
             raise ImportError(name)
         return found(name, *arguments)
@@ -125,6 +124,7 @@ def test_unwritable_root_is_an_error(
         export(Demonstrations(folder), ID)
 
 
+@pytest.mark.filterwarnings("ignore:.*is set to None:UserWarning")
 @pytest.mark.parametrize("env_id", icd_envs.ENV_IDS)
 @pytest.mark.parametrize("storage", ["arrow", "parquet"])
 def test_minaris_collector_takes_the_environment(env_id: str, storage: str) -> None:

@@ -71,9 +71,10 @@ def test_flipped_bit_never_changes_a_value_silently(
     try:
         arrays = read_shard(path)
     except DemonstrationsError as error:
-        assert "shard-00000.npz" in str(error)
-        return
-    # A bit that no reader looks at, such as a date.
+        message, arrays = str(error), sound
+    else:  # a bit that no reader looks at, such as a date
+        message = path.name
+    assert path.name in message
     assert set(arrays) == set(sound)
     for name, array in arrays.items():
         np.testing.assert_array_equal(array, sound[name])
@@ -82,7 +83,7 @@ def test_flipped_bit_never_changes_a_value_silently(
 def test_pickled_arrays_are_never_loaded(tmp_path: Path) -> None:
     path = tmp_path / "shard-00000.npz"
     np.savez(path, lengths=np.array([{}], dtype=object))
-    with pytest.raises(DemonstrationsError, match="damaged.*allow_pickle=False"):
+    with pytest.raises(DemonstrationsError, match=r"damaged.*allow_pickle=False"):
         read_shard(path)
 
 
@@ -105,5 +106,5 @@ def test_other_files_are_refused(tmp_path: Path) -> None:
         with pytest.raises(DemonstrationsError, match=path.name):
             read_shard(path)
     np.save(tmp_path / "array.npy", np.arange(3))
-    with pytest.raises(DemonstrationsError, match="array.npy"):
+    with pytest.raises(DemonstrationsError, match=r"array\.npy"):
         read_shard(tmp_path / "array.npy")
