@@ -160,6 +160,47 @@ def gates(
 
 
 @main.command()
+def collect(
+    env: Annotated[str, typer.Option(help="Environment id.")],
+    episodes: Annotated[int, typer.Option(min=1, help="Episodes in all.")],
+    out: Annotated[Path, typer.Option(help="Folder of the demonstrations.")],
+    workers: Workers = 1,
+    seed: Annotated[int, typer.Option(min=0, help="Base seed of all episodes.")] = 0,
+    steps: Annotated[
+        int | None,
+        typer.Option(min=1, help="Longest episode.", show_default="the environment's budget"),
+    ] = None,
+    resume: Annotated[bool, typer.Option(help="Go on with what is in --out.")] = True,
+    minari: Annotated[
+        str | None, typer.Option(metavar="ID", help="Then make a Minari dataset of this id.")
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Record episodes of the noisy expert in training scenes."""
+    with _errors_in_one_line():
+        from benchmarks import collect_command, progress
+        from benchmarks.tables import print_values
+
+        try:
+            with redirect_stdout(sys.stderr):
+                values = collect_command.collect_and_export(
+                    collect_command.make_header(env, episodes, seed=seed, steps=steps),
+                    out,
+                    workers=workers,
+                    resume=resume,
+                    minari=minari,
+                    watch=progress.watching,
+                )
+        except KeyboardInterrupt:
+            typer.echo("interrupted; the same command goes on", err=True)
+            raise typer.Exit(INTERRUPTED) from None
+    if as_json:
+        typer.echo(json.dumps(values))
+    else:
+        print_values(values)
+
+
+@main.command()
 def perf(
     repeats: Annotated[int, typer.Option(min=1, help="Interleaved repeats; medians.")] = 5,
     as_json: AsJson = False,

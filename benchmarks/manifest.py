@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from dataclasses import asdict, dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import Any
 
 from benchmarks import provenance
 from benchmarks.errors import IncompatibleResultsError, ResultsError
+from benchmarks.files import write_atomically
 from benchmarks.plan import Plan
 from benchmarks.rows import SCHEMA
 
@@ -60,14 +60,13 @@ class Manifest:
         """The plan it describes."""
         return Plan(self.agents, self.envs, self.episodes, self.seed)
 
+    def to_json(self) -> bytes:
+        """The file's content."""
+        return json.dumps(asdict(self), indent=2).encode()
+
     def write(self, folder: Path) -> None:
         """Replace the folder's manifest in one step."""
-        temporary = folder / f"{FILE_NAME}.tmp"
-        with temporary.open("w", encoding="utf-8") as file:
-            json.dump(asdict(self), file, indent=2)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(temporary, folder / FILE_NAME)
+        write_atomically(folder / FILE_NAME, self.to_json())
 
 
 def describe(plan: Plan) -> Manifest:

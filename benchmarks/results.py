@@ -10,16 +10,14 @@ from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
 
-from filelock import FileLock, Timeout
-
 from benchmarks.errors import IncompatibleResultsError, ResultsError, ResultsWarning
+from benchmarks.files import locked
 from benchmarks.manifest import FILE_NAME as MANIFEST_NAME
 from benchmarks.manifest import continued, describe, read_manifest
 from benchmarks.plan import JobKey, Plan
 from benchmarks.rows import SCHEMA, Row, row_from_record
 
 ROWS_NAME = "episodes.jsonl"
-_LOCK_NAME = ".lock"
 
 
 class ResultsFolder:
@@ -62,21 +60,8 @@ def open_results(path: Path, plan: Plan, *, resume: bool) -> Iterator[ResultsFol
         ResultsError: not writable, in use, or unexpected results.
         IncompatibleResultsError: results of another plan, code or version.
     """
-    try:
-        path.mkdir(parents=True, exist_ok=True)
-        lock = FileLock(path / _LOCK_NAME, timeout=0)
-        lock.acquire()
-    except Timeout as error:
-        raise ResultsError(
-            f"{path} is in use by another run: wait for it, or choose another --out"
-        ) from error
-    except OSError as error:
-        raise ResultsError(f"cannot write to {path}: {error}: choose another --out") from error
-    try:
-        rows = _begin(path, plan, resume=resume)
-        yield ResultsFolder(path, rows)
-    finally:
-        lock.release()
+    with locked(path):
+        yield ResultsFolder(path, _begin(path, plan, resume=resume))
 
 
 def new_folder(parent: Path) -> Path:

@@ -81,6 +81,17 @@ def print_mapping(values: Mapping[str, float | str]) -> None:
     )
 
 
+def print_values(values: Mapping[str, int | float | str]) -> None:
+    """Print names and values on stdout, every digit of integers."""
+    print_rows(
+        ("what", "value"),
+        [
+            (name, f"{value:.4g}" if isinstance(value, float) else str(value))
+            for name, value in values.items()
+        ],
+    )
+
+
 def _console() -> Console:
     return Console(width=None if sys.stdout.isatty() else _WIDTH_WITHOUT_TERMINAL)
 

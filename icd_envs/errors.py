@@ -15,7 +15,7 @@ class InvalidActionError(IcdError, ValueError):
 
 
 class InvalidSeedError(IcdError, ValueError):
-    """A reset seed that is not an integer in [0, 2**32)."""
+    """A reset seed that is not an integer in [0, 2**64)."""
 
 
 class InvalidOptionError(IcdError, ValueError):
@@ -32,6 +32,10 @@ class IncompatibleStateError(IcdError, ValueError):
 
 class SceneGenerationError(IcdError, RuntimeError):
     """No solvable scene was found within the attempts allowed for one seed."""
+
+
+class DemonstrationsError(IcdError, ValueError):
+    """Recorded demonstrations that are missing, damaged, or of another version of a task."""
 
 
 class RenderingUnavailableError(IcdError, RuntimeError):

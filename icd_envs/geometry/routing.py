@@ -61,6 +61,9 @@ def signed_crossings(points: FloatArray, clips: FloatArray) -> NDArray[np.int64]
     Returns:
         (..., F) integers.
     """
+    if points.ndim == clips.ndim == 2:
+        counts = [sum(direction for direction, _ in _through(points, clip)) for clip in clips]
+        return np.array(counts, dtype=np.int64)
     passes = _passes(points, clips)
     return np.sum(passes.direction * passes.inside, axis=-1)
 
@@ -72,8 +75,31 @@ def find_crossing(points: FloatArray, clip: Clip) -> Crossing | None:
         points: (N, 3) [m] polyline, world frame.
         clip: the clip.
     """
-    passes = _passes(points, np.array([[*clip.position, clip.yaw]]))
-    if not np.sum(passes.direction * passes.inside):
-        return None
-    segment = int(np.flatnonzero((passes.direction * passes.inside)[0])[0])
-    return Crossing(segment, float(passes.x[0, segment]))
+    through = _through(points, np.array([*clip.position, clip.yaw]))
+    return through[0].crossing if sum(one.direction for one in through) else None
+
+
+class _Pass(NamedTuple):
+    direction: int
+    crossing: Crossing
+
+
+def _through(points: FloatArray, clip: FloatArray) -> list[_Pass]:
+    """Passes of one polyline (N, 3) through one throat (3,): as ``_passes``, in a fifth the time.
+
+    Experts and collecting look at every step; few segments pass the plane at all.
+    """
+    cos, sin = np.cos(clip[2]), np.sin(clip[2])
+    offset_x, offset_y = points[:, 0] - clip[0], points[:, 1] - clip[1]
+    y = cos * offset_y - sin * offset_x
+    beyond = y >= 0
+    found = []
+    for i in np.flatnonzero(beyond[1:] != beyond[:-1]):
+        j = i + 1
+        share = -y[i] / (y[j] - y[i])
+        x = cos * offset_x[i] + sin * offset_y[i]
+        x = x + share * (cos * offset_x[j] + sin * offset_y[j] - x)
+        z = points[i, 2] + share * (points[j, 2] - points[i, 2])
+        if THROAT_X[0] <= x <= THROAT_X[1] and 0 <= z <= throat_height(x):
+            found.append(_Pass(1 if beyond[j] else -1, Crossing(int(i), float(x))))
+    return found

@@ -18,6 +18,11 @@ from icd_envs.scenes.arena import SUBSTEPS
 INTEGRATION: Final = mujoco.mjtState.mjSTATE_INTEGRATION
 SLIDES: Final = ("slide_x", "slide_y", "slide_z")
 FULL_BUFFERS: Final = (mujoco.mjtWarning.mjWARN_CONTACTFULL, mujoco.mjtWarning.mjWARN_CNSTRFULL)
+UNSTABLE: Final = [
+    int(kind)
+    for kind in mujoco.mjtWarning.__members__.values()
+    if kind not in (*FULL_BUFFERS, mujoco.mjtWarning.mjNWARNING)
+]
 
 
 @dataclass(frozen=True)
@@ -100,12 +105,9 @@ class Plant:
 
     def diverged(self) -> bool:
         """Whether the physics blew up since the state was last set."""
-        unstable = any(
-            self.data.warning[int(kind)].number
-            for kind in mujoco.mjtWarning.__members__.values()
-            if kind not in FULL_BUFFERS and int(kind) < len(self.data.warning)
+        return bool(self.data.warning.number[UNSTABLE].any()) or not bool(
+            np.all(np.abs(self.nodes()) < BOUND)
         )
-        return unstable or not bool(np.all(np.abs(self.nodes()) < BOUND))
 
     def buffer_overflows(self) -> int:
         """How often a contact or constraint buffer was full since the state was last set."""

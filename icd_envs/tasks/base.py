@@ -10,6 +10,7 @@ import numpy as np
 
 from icd_envs.api import BoolArray, Float32Array, Float64Array, FloatArray, Oracle
 from icd_envs.errors import InvalidOptionError, InvalidSeedError, SceneGenerationError
+from icd_envs.physics.guard import BOUND
 from icd_envs.physics.plant import Plant
 from icd_envs.scenes.boxes import Box
 
@@ -20,7 +21,8 @@ HOLD_STEPS: Final = 10
 """Control steps for which success must hold before an episode ends."""
 MAX_ATTEMPTS: Final = 20
 """Scenes drawn for one seed before giving up on finding one that the expert solves."""
-SEED_LIMIT: Final = 2**32
+SEED_LIMIT: Final = 2**64
+"""Minari's collector draws seeds of 64 bits."""
 
 SceneT = TypeVar("SceneT")
 
@@ -85,6 +87,9 @@ class Demonstration:
     Attributes:
         points: (T, N, 3) float32 [m] object cloud at the start and after every step.
         actions: (T - 1, 3) float32.
+        nodes: (T, P, 3) [m] tracked nodes, from which the cloud follows.
+        gripper: (T, 6) float32 position [m] and velocity [m/s], as observed.
+        solved: (T, F) which parts were done.
         success: whether every part was done and stayed so for ``HOLD_STEPS`` steps.
         complete_rate: share of the parts done at the end.
         diverged: whether the physics blew up.
@@ -92,6 +97,9 @@ class Demonstration:
 
     points: Float32Array
     actions: Float32Array
+    nodes: Float64Array
+    gripper: Float32Array
+    solved: BoolArray
     success: bool
     complete_rate: float
     diverged: bool
@@ -102,28 +110,52 @@ class Demonstration:
         return len(self.actions)
 
 
-def run_expert(task: Task[SceneT], scene: SceneT, plant: Plant, expert: Expert) -> Demonstration:
-    """Let an expert act from the plant's present state until success holds or time is up."""
-    points = [plant.points()]
+def run_expert(
+    task: Task[SceneT], scene: SceneT, plant: Plant, expert: Expert, steps: int | None = None
+) -> Demonstration:
+    """Let an expert act from the plant's present state until success holds or time is up.
+
+    Args:
+        task: whose success counts.
+        scene: what the plant was made from.
+        plant: left in the last state.
+        expert: acts on what an agent would observe.
+        steps: control steps at most; None is the task's budget.
+    """
+    budget = task.max_steps if steps is None else steps
+    nodes = [plant.nodes()]
+    points = [plant.cloud(nodes[-1])]
+    gripper = [_gripper(plant)]
+    solved = [task.solved(points[-1], scene)]
     actions: list[Float32Array] = []
-    done = task.solved(points[-1], scene)
     held = 0
-    while held < HOLD_STEPS and len(actions) < task.max_steps and not plant.diverged():
-        gripper = plant.gripper().astype(np.float32)  # as observed, so that an agent can repeat it
-        action = expert.act(gripper, points[-1]).astype(np.float32)
+    diverged = plant.diverged()
+    while held < HOLD_STEPS and len(actions) < budget and not diverged:
+        # As observed, so that an agent can repeat it.
+        action = expert.act(gripper[-1][:3], points[-1]).astype(np.float32)
         plant.step(action)
         actions.append(action)
-        points.append(plant.points())
-        done = task.solved(points[-1], scene)
-        held = held + 1 if bool(done.all()) else 0
-    diverged = plant.diverged()
+        nodes.append(plant.nodes())
+        points.append(plant.cloud(nodes[-1]))
+        gripper.append(_gripper(plant))
+        solved.append(task.solved(points[-1], scene))
+        held = held + 1 if bool(solved[-1].all()) else 0
+        diverged = plant.diverged()
     return Demonstration(
         np.stack(points),
         np.array(actions, dtype=np.float32).reshape(-1, 3),
+        np.stack(nodes),
+        np.stack(gripper),
+        np.stack(solved),
         held >= HOLD_STEPS and not diverged,
-        0.0 if diverged else float(done.mean()),
+        0.0 if diverged else float(solved[-1].mean()),
         diverged,
     )
+
+
+def _gripper(plant: Plant) -> Float32Array:
+    motion = np.concatenate([plant.gripper(), plant.gripper_velocity()])
+    return np.asarray(np.clip(motion, -BOUND, BOUND), dtype=np.float32)
 
 
 @dataclass(frozen=True)
@@ -171,7 +203,7 @@ def check_seed(seed: object) -> int:
     """A reset seed as an int.
 
     Raises:
-        InvalidSeedError: if it is not an integer in [0, 2**32).
+        InvalidSeedError: if it is not an integer in [0, 2**64).
     """
     if isinstance(seed, bool) or not isinstance(seed, int | np.integer):
         raise InvalidSeedError(

@@ -13,7 +13,8 @@ from icd_envs.geometry.routing import signed_crossings
 from icd_envs.physics.plant import Plant, TrackedCloud
 from icd_envs.scenes.boxes import Box
 from icd_envs.scenes.cable import DEFAULT_CABLE
-from icd_envs.scenes.cable_routing import CableRoutingScene, build_scene, draw_scene
+from icd_envs.scenes.cable_routing import CableRoutingScene, draw_scene
+from icd_envs.scenes.cable_routing_xml import scene_xml
 from icd_envs.tasks.base import Split
 from icd_envs.tasks.env import ContactEnv, RewardType
 
@@ -44,7 +45,7 @@ class CableRouting:
         where = np.linspace(0.0, links, CLOUD_POINTS)
         start = np.minimum(where.astype(np.int64), links - 1)
         cloud = TrackedCloud(start, (where - start)[:, None])
-        plant = Plant(build_scene(scene).to_xml_string(), cloud, self.action_scale)
+        plant = Plant(scene_xml(scene), cloud, self.action_scale)
         outward = np.array([np.cos(scene.start_bearing), np.sin(scene.start_bearing), 0.0])
         plant.data.qpos[plant.gripper_qpos] = scene.anchor + scene.cable.length * outward
         motion = (RISE * np.array([0.0, 0.0, 1.0]) - SLACK * outward) / SETTLE_STEPS[0]

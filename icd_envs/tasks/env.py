@@ -122,7 +122,7 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
             options: no key is known yet.
 
         Raises:
-            InvalidSeedError: if ``seed`` is not an integer in [0, 2**32).
+            InvalidSeedError: if ``seed`` is not an integer in [0, 2**64).
             InvalidOptionError: on any key in ``options``.
             EpisodeStateError: after ``close``.
             SceneGenerationError: if no solvable scene was found.

@@ -1,0 +1,52 @@
+"""Files that are whole or not there, folders with one writer."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+from benchmarks.errors import ResultsError
+from benchmarks.files import locked, write_atomically
+
+
+def test_file_is_replaced_whole(tmp_path: Path) -> None:
+    path = tmp_path / "späce d.bin"
+    for content in (b"old", b"", b"new and longer"):
+        write_atomically(path, content)
+        assert path.read_bytes() == content
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("call", ["fsync", "replace"])
+def test_failed_write_leaves_the_old_file_and_nothing_else(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, call: str
+) -> None:
+    path = tmp_path / "file"
+    write_atomically(path, b"old")
+
+    def full(*arguments: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, call, full)
+    with pytest.raises(OSError, match="No space left"):
+        write_atomically(path, b"new")
+    assert path.read_bytes() == b"old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_second_writer_is_refused_until_the_first_is_done(tmp_path: Path) -> None:
+    with (
+        locked(tmp_path / "a" / "b"),
+        pytest.raises(ResultsError, match="in use by another run"),
+        locked(tmp_path / "a" / "b"),
+    ):
+        pass
+    with locked(tmp_path / "a" / "b"):
+        pass
+
+
+def test_folder_that_cannot_be_made_is_explained(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    for out in (tmp_path / "file", tmp_path / "file" / "below"):
+        with pytest.raises(ResultsError, match="choose another --out"), locked(out):
+            pass

@@ -1,0 +1,1 @@
+"""Recorded demonstrations: format, reader, export."""
