@@ -32,9 +32,12 @@ FIRST_BEARING: Final = (-0.15, 0.45)
 """[rad] of clip 1 from the anchor."""
 FIRST_DISTANCE: Final = (0.25, 0.38)
 """[m]"""
-TURN: Final = (-0.8, -0.3)
-"""[rad] the route turns right at clip 1, into its wall: the mouth opens to the left. At clip 2 it
-turns left, at clip 3 right again."""
+TURNS: Final = ((-0.8, -0.3),)
+"""[rad] the route turns right at clip 1, into its wall: the mouth opens to the left."""
+LONG_TURNS: Final = ((-0.9, -0.6), (0.35, 0.6), (-0.3, -0.1))
+"""[rad] the same with 3 and 4 clips. Clip 3 must lie to the right of the arm that is swept into
+clip 1, whose mouth is on the same side, and clip 4 to the left of the one swept into clip 2: or
+the arm goes into these first. A zig-zag that grows flatter does both."""
 NEXT_DISTANCE: Final = (0.24, 0.34)
 """[m]"""
 AXIS_JITTER: Final = (-0.3, 0.3)
@@ -99,13 +102,15 @@ def draw_scene(
     """
     start_bearing = rng.uniform(*START_BEARING)
     headings = [rng.uniform(*FIRST_BEARING)]
-    turns = rng.uniform(*TURN, size=num_fixtures - 1) * [1, -1, 1][: num_fixtures - 1]
+    limits = TURNS if num_fixtures <= 2 else LONG_TURNS
+    turns = [rng.uniform(*limit) for limit in limits[: num_fixtures - 1]]
     places = [rng.uniform(*FIRST_DISTANCE) * _direction(headings[0])]
     for turn in turns:
         headings.append(headings[-1] + turn)
         places.append(places[-1] + rng.uniform(*NEXT_DISTANCE) * _direction(headings[-1]))
     # Each throat lies halfway through the route's turn, the last one along the route.
-    axes = headings + np.append(turns / 2, 0.0) + rng.uniform(*AXIS_JITTER, size=num_fixtures)
+    axes = np.array(headings) + np.array([*turns, 0.0]) / 2
+    axes += rng.uniform(*AXIS_JITTER, size=num_fixtures)
     clips = tuple(
         Clip((float(x), float(y)), float(axis + (np.pi / 2 if i % 2 == 0 else -np.pi / 2)))
         for i, ((x, y), axis) in enumerate(zip(places, axes, strict=True))
