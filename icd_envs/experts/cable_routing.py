@@ -3,8 +3,7 @@
 The taut cable is an arm that turns about a pivot: first the anchor, then the last routed clip.
 For every clip in order the gripper lifts the arm, swings it over the clip to its mouth's side,
 lowers it to the floor and sweeps it back into the throat. It looks at the cable at every step:
-a clip that was missed or lost is tried again. A long arm that is swept into one clip can slip
-into one further on with its mouth on the same side; it is released before it is lifted.
+a clip that was missed or lost is tried again.
 """
 
 from __future__ import annotations
@@ -16,13 +15,13 @@ from typing import Final, Literal
 import numpy as np
 
 from icd_envs.api import Float64Array, FloatArray
-from icd_envs.geometry.routing import Crossing, find_crossing, under_lip
+from icd_envs.geometry.routing import Crossing, find_crossing
 from icd_envs.scenes.cable_routing import CableRoutingScene
 
 Intent = Literal["route", "wrong", "skip"]
-Phase = Literal["detour", "release", "lift", "swing", "lower", "sweep"]
+Phase = Literal["detour", "lift", "swing", "lower", "sweep"]
 
-PHASES: Final[tuple[Phase, ...]] = ("detour", "release", "lift", "swing", "lower", "sweep")
+PHASES: Final[tuple[Phase, ...]] = ("detour", "lift", "swing", "lower", "sweep")
 
 CLEARANCE_SIDE: Final = 0.10
 """[m] the arm passes this far beside the throat's centre before it is lowered."""
@@ -30,8 +29,6 @@ CLEARANCE_TOP: Final = 0.16
 """[m] height of the arm above the clip it is lifted over; a clip is 0.09 m tall."""
 SWEEP: Final = 0.14
 """[m] how far past the throat's centre the arm sweeps, against the clip's wall."""
-RELEASE: Final = 0.09
-"""[m] how far beside the throat's centre an arm that slipped into a clip too early is brought."""
 SEATED: Final = 0.005
 """[m] a cable deeper in the throat than this, in the clip's x, needs no further sweep."""
 SLACK: Final = 0.015
@@ -111,7 +108,6 @@ class CableRoutingExpert:
         self._passed = [False] * clips
         self._clip: int | None = None
         self._phase = 0
-        self._caught: int | None = None
         self._detoured = self._style.detour is None
         self._recent: deque[Float64Array] = deque(maxlen=STALL_STEPS)
 
@@ -129,7 +125,7 @@ class CableRoutingExpert:
         clip = self._next_clip(crossings)
         if clip != self._clip:
             self._clip = clip
-            self._begin("release" if self._detoured else "detour")
+            self._begin(0 if not self._detoured else 1)
         translation = np.zeros(3)
         if clip is not None:
             translation = self._move(clip, np.asarray(gripper, float), points, crossings)
@@ -147,16 +143,9 @@ class CableRoutingExpert:
                 return i
         return None
 
-    def _begin(self, phase: Phase) -> None:
-        self._phase = PHASES.index(phase)
+    def _begin(self, phase: int) -> None:
+        self._phase = phase
         self._recent.clear()
-
-    def _find_caught(self, index: int, points: FloatArray) -> int | None:
-        """The first clip beyond the next one whose lip the cable is under."""
-        for i in range(max(2, index + 1), len(self._scene.clips)):
-            if under_lip(points, self._scene.clips[i]):
-                return i
-        return None
 
     def _move(
         self,
@@ -165,10 +154,6 @@ class CableRoutingExpert:
         points: FloatArray,
         crossings: list[Crossing | None],
     ) -> Float64Array:
-        if PHASES[self._phase] == "release":
-            self._caught = self._find_caught(index, points)
-            if self._caught is None:
-                self._begin("lift")
         pivot, length = self._scene.anchor, self._scene.cable.length
         for crossing in crossings[:index]:
             if crossing is not None:
@@ -205,8 +190,7 @@ class CableRoutingExpert:
         self, index: int, pivot: Float64Array, radius: float, now: Float64Array
     ) -> Float64Array:
         """Bearing and elevation [rad] that the present phase moves the arm to."""
-        releasing = PHASES[self._phase] == "release" and self._caught is not None
-        clip = self._scene.clips[self._caught if releasing else index]
+        clip = self._scene.clips[index]
         to = clip.origin - pivot
         distance = float(np.hypot(to[0], to[1]))
         bearing = np.arctan2(to[1], to[0])
@@ -219,8 +203,6 @@ class CableRoutingExpert:
         match PHASES[self._phase]:
             case "detour":
                 return np.array(self._style.detour or now)
-            case "release":
-                return np.array([bearing + side * np.arctan2(RELEASE, distance), low])
             case "lift":
                 return np.array([now[0], high])
             case "swing":
@@ -233,7 +215,7 @@ class CableRoutingExpert:
     def _finish_phase(self, index: int, routed: bool) -> None:
         if PHASES[self._phase] == "sweep":
             self._passed[index] = routed or self._intents[index] == "wrong"
-            self._begin("release")
+            self._begin(1)
         else:
             self._detoured = True
-            self._begin(PHASES[self._phase + 1])
+            self._begin(self._phase + 1)

@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from icd_envs.api import BoolArray, FloatArray
-from icd_envs.scenes.boxes import rotation_z
-from icd_envs.scenes.clip import THROAT_X, WIDTH, Clip, throat_height
+from icd_envs.scenes.clip import THROAT_X, Clip, throat_height
 
 
 class Crossing(NamedTuple):
@@ -78,16 +77,3 @@ def find_crossing(points: FloatArray, clip: Clip) -> Crossing | None:
         return None
     segment = int(np.flatnonzero((passes.direction * passes.inside)[0])[0])
     return Crossing(segment, float(passes.x[0, segment]))
-
-
-def under_lip(points: FloatArray, clip: Clip) -> bool:
-    """Whether any point is under a clip's lip, so that it cannot be lifted straight up.
-
-    Args:
-        points: (N, 3) [m], world frame.
-        clip: the clip.
-    """
-    local = (points - clip.origin) @ rotation_z(clip.yaw)
-    x, y, z = local[:, 0], local[:, 1], local[:, 2]
-    below = (x >= THROAT_X[0]) & (x <= THROAT_X[1]) & (z <= throat_height(x))
-    return bool(np.any(below & (np.abs(y) <= WIDTH / 2)))
