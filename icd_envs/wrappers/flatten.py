@@ -39,8 +39,8 @@ class FlattenPointCloud(
         ends = np.cumsum([0, *(int(np.prod(part.shape)) for part in self._parts.values())])
         self.slices = {n: slice(int(ends[i]), int(ends[i + 1])) for i, n in enumerate(self._parts)}
         self.observation_space = spaces.Box(
-            np.concatenate([part.low.ravel() for part in self._parts.values()]),
-            np.concatenate([part.high.ravel() for part in self._parts.values()]),
+            np.concatenate([part.low.ravel() for part in self._parts.values()], dtype=np.float32),
+            np.concatenate([part.high.ravel() for part in self._parts.values()], dtype=np.float32),
             dtype=np.float32,
         )
 

@@ -99,7 +99,6 @@ class SubsamplePointCloud(
         return reward
 
     def _keep_space(self, name: str, space: spaces.Box) -> spaces.Box:
-        if name not in self._kept:
-            return spaces.Box(space.low, space.high, space.shape, np.float32)
-        kept = self._kept[name]
-        return spaces.Box(space.low[kept], space.high[kept], dtype=np.float32)
+        low, high = space.low.astype(np.float32), space.high.astype(np.float32)
+        kept = self._kept.get(name, slice(None))
+        return spaces.Box(low[kept], high[kept], dtype=np.float32)
