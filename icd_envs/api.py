@@ -36,6 +36,20 @@ class Observation(TypedDict):
     goal_scene: Float32Array
 
 
+class PartialObservation(Observation):
+    """What is observed with ``obs_mode="partial"``: one camera's view, with noise.
+
+    Clouds keep size and order; a point that is not seen is (0, 0, 0). Goals stay full.
+
+    Attributes:
+        achieved_goal_mask: (200,) 1 where a point of the object is seen, else 0.
+        scene_mask: (1000,) the same of the scene.
+    """
+
+    achieved_goal_mask: Float32Array
+    scene_mask: Float32Array
+
+
 @dataclass(frozen=True)
 class SimState:
     """The whole state of one environment, enough to continue bit for bit.

@@ -22,6 +22,10 @@ class InvalidOptionError(IcdError, ValueError):
     """An option, id or name that does not exist, or a value it cannot take."""
 
 
+class InvalidObservationError(IcdError, ValueError):
+    """An observation that a wrapper cannot use: wrong shape, NaN or infinite values."""
+
+
 class EpisodeStateError(IcdError, RuntimeError):
     """A call out of order: step before reset, after the end of the episode, or after close."""
 

@@ -6,19 +6,21 @@ from typing import Final
 
 import gymnasium as gym
 
-MAX_STEPS: Final = {"ICDCableRouting-v0": 300}
-ENTRY_POINTS: Final = {"ICDCableRouting-v0": "icd_envs.tasks.cable_routing:CableRoutingEnv"}
+ENTRY_POINTS: Final = {"ICDCableRouting-v0": "icd_envs.tasks.cable_routing:make_cable_routing"}
 ENV_IDS: Final[tuple[str, ...]] = tuple(ENTRY_POINTS)
 
 
 def register_envs() -> None:
-    """Register every environment; a second call does nothing."""
+    """Register every environment; a second call does nothing.
+
+    No ``max_episode_steps``: the budget depends on the options of an environment, which keeps it
+    itself and shows it in its ``spec``.
+    """
     for env_id, entry_point in ENTRY_POINTS.items():
         if env_id not in gym.registry:
             gym.register(
                 env_id,
                 entry_point=entry_point,
-                max_episode_steps=MAX_STEPS[env_id],
                 order_enforce=False,  # our own error names the fix
                 disable_env_checker=True,  # it breaks once a first step has raised
             )

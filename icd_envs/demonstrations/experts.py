@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from icd_envs.errors import InvalidOptionError, unknown_name
-from icd_envs.tasks.base import Demonstration, Split, Task, run_expert, scene_rng
+from icd_envs.tasks.base import Demonstration, SceneT, Split, Task, run_expert, scene_rng
 from icd_envs.tasks.cable_routing import CableRouting
 
 TASKS: dict[str, Task] = {task.env_id: task for task in (CableRouting(),)}  # type: ignore
@@ -31,7 +31,13 @@ def demonstrate(
         split: which scenes.
         noisy: with action noise, varying speed and deliberate faults.
     """
-    task = find_task(env_id)
+    return demonstrate_task(find_task(env_id), seed=seed, split=split, noisy=noisy)
+
+
+def demonstrate_task(
+    task: Task[SceneT], *, seed: int, split: Split = "train", noisy: bool = False
+) -> Demonstration:
+    """The same for a task with options, e.g. ``CableRouting(num_fixtures=3)``."""
     rng = scene_rng(split, seed)
     scene = task.draw_scene(rng)
     plant = task.make_plant(scene)

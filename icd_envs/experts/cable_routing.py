@@ -31,8 +31,10 @@ SWEEP: Final = 0.14
 """[m] how far past the throat's centre the arm sweeps, against the clip's wall."""
 SEATED: Final = 0.005
 """[m] a cable deeper in the throat than this, in the clip's x, needs no further sweep."""
-TAUT: Final = 0.985
-"""Distance of the gripper from the pivot, as a share of the free length."""
+SLACK: Final = 0.015
+"""[m^2] over the squared length of the cable: by which share of the free length the gripper stays
+short of taut. A slack arm hangs in a bow whose depth goes with the length times the root of that
+share; it must stay below the clearances, however long the cable is."""
 LOW: Final = 0.02
 """[m] lowest height of the gripper."""
 ARRIVED: Final = 0.03
@@ -158,7 +160,7 @@ class CableRoutingExpert:
                 share = crossing.segment / (len(points) - 1)
                 pivot = points[crossing.segment].astype(np.float64)
                 length = self._scene.cable.length * (1 - share)
-        radius = TAUT * length
+        radius = (1.0 - SLACK / self._scene.cable.length**2) * length
         arm = gripper - pivot
         now = np.array([np.arctan2(arm[1], arm[0]), np.arctan2(arm[2], np.hypot(*arm[:2]))])
         error = self._target(index, pivot, radius, now) - now

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 
@@ -39,7 +39,23 @@ class CableSpec:
     friction: float = 0.3
 
 
-DEFAULT_CABLE = CableSpec()
+CableKind = Literal["default", "charging", "ethernet", "rope"]
+
+DEFAULT_CABLE: Final = CableSpec()
+
+CABLES: Final[dict[CableKind, CableSpec]] = {
+    "default": DEFAULT_CABLE,
+    "charging": CableSpec(radius=0.0035, density=0.03, stiffness=0.006, damping=1e-3),
+    "ethernet": CableSpec(radius=0.004, density=0.05, stiffness=0.08, damping=4e-3),
+    "rope": CableSpec(radius=0.008, density=0.14, stiffness=0.008, damping=6e-3, friction=0.45),
+}
+"""A cable of bending stiffness EI [N m^2] has hinges of EI / (5 cm), in N m/rad.
+
+charging: soft and thin, EI 3e-4 as a USB lead's. Real ones have radius 2 mm; the hand moves 3 mm
+    per physics step, and a cable thinner than that could be pulled through a wall.
+ethernet: stiff, EI 4e-3, a round patch cord.
+rope: thick, heavy and rough, hardly any elastic stiffness but friction between its strands.
+"""
 
 RGBA = (0.95, 0.8, 0.1, 1.0)
 

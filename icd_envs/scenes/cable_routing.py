@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from icd_envs.api import Float64Array
 from icd_envs.scenes import layers
 from icd_envs.scenes.boxes import Box
-from icd_envs.scenes.cable import DEFAULT_CABLE, CableSpec, add_cable
+from icd_envs.scenes.cable import CABLES, DEFAULT_CABLE, CableKind, CableSpec, add_cable
 from icd_envs.scenes.clip import Clip, add_clip
 
 if TYPE_CHECKING:
@@ -20,7 +20,10 @@ ANCHOR: Final = (0.0, 0.0, 0.04)
 """[m] the fixed end, a few centimetres above the floor."""
 
 WORKSPACE: Final = ((-1.1, -1.1, 0.012), (1.1, 1.1, 0.6))
-"""[m] lower and upper limits of the gripper."""
+"""[m] lower and upper limits of the gripper, for a cable of 1 m; a longer one has more room."""
+
+EXTRA_LINKS: Final = 7
+"""Links (35 cm) that the cable gains with every clip beyond the second: one more distance."""
 
 START_BEARING: Final = (-np.pi / 2 - 0.15, -np.pi / 2 + 0.15)
 """[rad] the cable starts about 90 degrees away from the route."""
@@ -29,8 +32,12 @@ FIRST_BEARING: Final = (-0.15, 0.45)
 """[rad] of clip 1 from the anchor."""
 FIRST_DISTANCE: Final = (0.25, 0.38)
 """[m]"""
-TURN: Final = (-0.8, -0.3)
+TURNS: Final = ((-0.8, -0.3),)
 """[rad] the route turns right at clip 1, into its wall: the mouth opens to the left."""
+LONG_TURNS: Final = ((-0.9, -0.6), (0.35, 0.6), (-0.3, -0.1))
+"""[rad] the same with 3 and 4 clips. Clip 3 must lie to the right of the arm that is swept into
+clip 1, whose mouth is on the same side, and clip 4 to the left of the one swept into clip 2: or
+the arm goes into these first. A zig-zag that grows flatter does both."""
 NEXT_DISTANCE: Final = (0.26, 0.36)
 """[m]"""
 AXIS_JITTER: Final = (-0.3, 0.3)
@@ -46,7 +53,7 @@ CAMERAS: Final = (
     ("side", (0.45, -0.95, 0.35), (0.42, -0.05, 0.06)),
     ("top", (0.35, -0.25, 1.7), (0.35, -0.2499, 0.0)),
 )
-"""Name, position [m], point looked at [m]."""
+"""Name, position [m], point looked at [m], for a cable of 1 m; scaled with its length."""
 
 
 @dataclass(frozen=True)
@@ -76,19 +83,39 @@ class CableRoutingScene:
         return [box for clip in self.clips for box in clip.boxes()]
 
 
-def draw_scene(rng: np.random.Generator) -> CableRoutingScene:
-    """Two clips at random places, mouths to the left and to the right of the route."""
+def cable_for(kind: CableKind, num_fixtures: int) -> CableSpec:
+    """A cable long enough for that many clips, with links of the same length."""
+    spec = CABLES[kind]
+    links = spec.links + EXTRA_LINKS * max(0, num_fixtures - 2)
+    return replace(spec, length=spec.length * links / spec.links, links=links)
+
+
+def draw_scene(
+    rng: np.random.Generator, num_fixtures: int = 2, cable: CableSpec = DEFAULT_CABLE
+) -> CableRoutingScene:
+    """Clips at random places, mouths by turns to the left and to the right of the route.
+
+    Args:
+        rng: source of every draw.
+        num_fixtures: number of clips, 1 to 4.
+        cable: mechanics.
+    """
     start_bearing = rng.uniform(*START_BEARING)
-    bearing = rng.uniform(*FIRST_BEARING)
-    turn = rng.uniform(*TURN)
-    first = rng.uniform(*FIRST_DISTANCE) * _direction(bearing)
-    second = first + rng.uniform(*NEXT_DISTANCE) * _direction(bearing + turn)
-    axis = np.array([bearing + turn / 2, bearing + turn]) + rng.uniform(*AXIS_JITTER, size=2)
-    clips = (
-        Clip((float(first[0]), float(first[1])), float(axis[0] + np.pi / 2)),
-        Clip((float(second[0]), float(second[1])), float(axis[1] - np.pi / 2)),
+    headings = [rng.uniform(*FIRST_BEARING)]
+    limits = TURNS if num_fixtures <= 2 else LONG_TURNS
+    turns = [rng.uniform(*limit) for limit in limits[: num_fixtures - 1]]
+    places = [rng.uniform(*FIRST_DISTANCE) * _direction(headings[0])]
+    for turn in turns:
+        headings.append(headings[-1] + turn)
+        places.append(places[-1] + rng.uniform(*NEXT_DISTANCE) * _direction(headings[-1]))
+    # Each throat lies halfway through the route's turn, the last one along the route.
+    axes = np.array(headings) + np.array([*turns, 0.0]) / 2
+    axes += rng.uniform(*AXIS_JITTER, size=num_fixtures)
+    clips = tuple(
+        Clip((float(x), float(y)), float(axis + (np.pi / 2 if i % 2 == 0 else -np.pi / 2)))
+        for i, ((x, y), axis) in enumerate(zip(places, axes, strict=True))
     )
-    return CableRoutingScene(clips, float(start_bearing), np.array(ANCHOR))
+    return CableRoutingScene(clips, float(start_bearing), np.array(ANCHOR), cable)
 
 
 def _direction(angle: float) -> Float64Array:
@@ -108,10 +135,13 @@ def build_scene(scene: CableRoutingScene) -> mjcf.RootElement:
         pos=[*scene.anchor[:2], scene.anchor[2] / 2], rgba=[0.35, 0.36, 0.38, 1],
         **layers.VISUAL,
     )  # fmt: skip
+    scale = scene.cable.length / DEFAULT_CABLE.length
     for name, position, look_at in CAMERAS:
-        add_camera(root, name, position, look_at)
+        add_camera(root, name, [scale * x for x in position], [scale * x for x in look_at])
     add_cable(root, scene.cable, scene.anchor, scene.start_bearing)
-    add_gripper(root, np.array(WORKSPACE))
+    workspace = scale * np.array(WORKSPACE)
+    workspace[0, 2] = WORKSPACE[0][2]  # the floor stays where it is
+    add_gripper(root, workspace)
     root.equality.add(
         "connect", name="grasp", site1="grasp", site2=f"node_{scene.cable.links}",
         solref=GRASP_SOLREF, solimp=GRASP_SOLIMP,

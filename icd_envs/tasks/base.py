@@ -38,10 +38,25 @@ class Expert(Protocol):
 class Task(Protocol[SceneT]):
     """Scenes, physics, expert and score of one task. Stateless."""
 
-    env_id: str
-    max_steps: int
-    action_scale: float
-    parameter_names: tuple[str, ...]
+    @property
+    def env_id(self) -> str:
+        """Id under which Gymnasium makes its environment."""
+        ...
+
+    @property
+    def max_steps(self) -> int:
+        """Control steps before an episode is truncated."""
+        ...
+
+    @property
+    def action_scale(self) -> float:
+        """[m] gripper translation per control step for an action of 1."""
+        ...
+
+    @property
+    def parameter_names(self) -> tuple[str, ...]:
+        """Keys of ``parameters``."""
+        ...
 
     def draw_scene(self, rng: np.random.Generator) -> SceneT:
         """A random scene, not yet known to be solvable."""
@@ -199,6 +214,12 @@ def scene_rng(split: Split, seed: int) -> np.random.Generator:
     return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(SPLITS.index(split),)))
 
 
+def sensor_rng(split: Split, seed: int, step: int) -> np.random.Generator:
+    """Generator of a sensor's noise at one step: it depends on nothing else that happened."""
+    key = (SPLITS.index(split), step)  # longer than a scene's key: never the same stream
+    return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=key))
+
+
 def check_seed(seed: object) -> int:
     """A reset seed as an int.
 
@@ -213,6 +234,16 @@ def check_seed(seed: object) -> int:
     if not 0 <= int(seed) < SEED_LIMIT:
         raise InvalidSeedError(f"seed must be in [0, {SEED_LIMIT}), got {seed}: pass e.g. seed=0")
     return int(seed)
+
+
+def check_integer(name: str, value: object, low: int, high: int) -> None:
+    """Refuse what is not an integer in [low, high].
+
+    Raises:
+        InvalidOptionError: naming option, value and range.
+    """
+    if type(value) is not int or not low <= value <= high:
+        raise InvalidOptionError(f"{name} must be an integer in [{low}, {high}], got {value!r}")
 
 
 def check_choice(name: str, value: object, choices: tuple[str, ...]) -> None:

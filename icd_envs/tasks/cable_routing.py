@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Final
+from dataclasses import dataclass
+from typing import Any, ClassVar, Final
 
 import numpy as np
 
@@ -12,11 +13,12 @@ from icd_envs.experts.cable_routing import CableRoutingExpert, draw_style
 from icd_envs.geometry.routing import signed_crossings
 from icd_envs.physics.plant import Plant, TrackedCloud
 from icd_envs.scenes.boxes import Box
-from icd_envs.scenes.cable import DEFAULT_CABLE
-from icd_envs.scenes.cable_routing import CableRoutingScene, draw_scene
+from icd_envs.scenes.cable import CABLES, CableKind
+from icd_envs.scenes.cable_routing import CableRoutingScene, cable_for, draw_scene
 from icd_envs.scenes.cable_routing_xml import scene_xml
-from icd_envs.tasks.base import Split
-from icd_envs.tasks.env import ContactEnv, RewardType
+from icd_envs.tasks.base import Split, check_choice, check_integer
+from icd_envs.tasks.env import ContactEnv, ObservationMode, RewardType
+from icd_envs.tasks.factory import EnvFactory
 
 CLOUD_POINTS: Final = 200
 SLACK: Final = 0.02
@@ -27,17 +29,44 @@ SETTLE_STEPS: Final = (20, 5)
 """Control steps of that motion, and of rest after it."""
 
 
-class CableRouting:
-    """The task behind ``ICDCableRouting-v0``."""
+MOST_FIXTURES: Final = 4
+MAX_STEPS: Final = 300
+EXTRA_STEPS: Final = 200
+"""Control steps for every clip beyond the second: the cable is longer, and so is every swing."""
 
-    env_id: str = "ICDCableRouting-v0"
-    max_steps: int = 300
-    action_scale: float = 0.03
-    parameter_names: tuple[str, ...] = ("clips",)
+
+@dataclass(frozen=True)
+class CableRouting:
+    """The task behind ``ICDCableRouting-v0``.
+
+    Attributes:
+        num_fixtures: clips to route through, 1 to 4.
+        cable: which kind; it is longer with 3 and 4 clips.
+
+    Raises:
+        InvalidOptionError: on a value that an attribute cannot take.
+    """
+
+    env_id: ClassVar[str] = "ICDCableRouting-v0"
+    action_scale: ClassVar[float] = 0.03
+    parameter_names: ClassVar[tuple[str, ...]] = ("clips",)
+
+    num_fixtures: int = 2
+    cable: CableKind = "default"
+
+    def __post_init__(self) -> None:
+        """Refuse values that no scene can be drawn for."""
+        check_integer("num_fixtures", self.num_fixtures, 1, MOST_FIXTURES)
+        check_choice("cable", self.cable, tuple(CABLES))
+
+    @property
+    def max_steps(self) -> int:
+        """Budget: 300 control steps for one or two clips, 200 more for each further one."""
+        return MAX_STEPS + EXTRA_STEPS * max(0, self.num_fixtures - 2)
 
     def draw_scene(self, rng: np.random.Generator) -> CableRoutingScene:
-        """Two clips at random places; see ``icd_envs.scenes.cable_routing``."""
-        return draw_scene(rng)
+        """Clips at random places; see ``icd_envs.scenes.cable_routing``."""
+        return draw_scene(rng, self.num_fixtures, cable_for(self.cable, self.num_fixtures))
 
     def make_plant(self, scene: CableRoutingScene) -> Plant:
         """Cable straight and almost taut, pointing away from the clips, held at the far end."""
@@ -88,12 +117,13 @@ class CableRouting:
     def canonical_cloud(self) -> Float32Array:
         """(200, 3) straight cable along x from the origin."""
         cloud = np.zeros((CLOUD_POINTS, 3), dtype=np.float32)
-        cloud[:, 0] = np.linspace(0.0, DEFAULT_CABLE.length, CLOUD_POINTS)
+        length = cable_for(self.cable, self.num_fixtures).length
+        cloud[:, 0] = np.linspace(0.0, length, CLOUD_POINTS)
         return cloud
 
 
 class CableRoutingEnv(ContactEnv[CableRoutingScene]):
-    """Route a cable through two randomly placed clips.
+    """Route a cable through randomly placed clips.
 
     One end of the cable is fixed, the other is held by a floating gripper. The goal is a pair of
     clouds, cable and scene; success is not to match it point by point but to pass every clip's
@@ -109,7 +139,7 @@ class CableRoutingEnv(ContactEnv[CableRoutingScene]):
     between corresponding points of object and goal.
 
     End of episode: ``terminated`` once success has held for 10 steps, or if the physics diverged;
-    truncated after 300 steps.
+    truncated after 300 steps, 500 with three clips, 700 with four.
 
     Version history:
         v0: first.
@@ -118,8 +148,11 @@ class CableRoutingEnv(ContactEnv[CableRoutingScene]):
     def __init__(
         self,
         *,
+        num_fixtures: int = 2,
+        cable: CableKind = "default",
         split: Split = "train",
         reward_type: RewardType = "sparse",
+        obs_mode: ObservationMode = "full",
         render_mode: str | None = None,
         width: int = 480,
         height: int = 360,
@@ -128,8 +161,12 @@ class CableRoutingEnv(ContactEnv[CableRoutingScene]):
         """Set the environment up; nothing is built before the first reset.
 
         Args:
+            num_fixtures: clips to route through, 1 to 4.
+            cable: ``default``, ``charging`` (soft, thin), ``ethernet`` (stiff) or ``rope`` (thick).
             split: which scenes to draw; train and test never share one.
             reward_type: ``sparse`` or ``dense``.
+            obs_mode: ``full``, or ``partial``: what one camera sees of object and scene, with
+                noise; see ``icd_envs.api.PartialObservation``.
             render_mode: None, ``rgb_array`` or ``depth_array``.
             width: [px] of rendered pictures.
             height: [px] of rendered pictures.
@@ -139,6 +176,9 @@ class CableRoutingEnv(ContactEnv[CableRoutingScene]):
             InvalidOptionError: on a value that an option cannot take.
         """
         super().__init__(
-            CableRouting(), split=split, reward_type=reward_type, render_mode=render_mode,
-            width=width, height=height, camera=camera,
+            CableRouting(num_fixtures, cable), split=split, reward_type=reward_type,
+            obs_mode=obs_mode, render_mode=render_mode, width=width, height=height, camera=camera,
         )  # fmt: skip
+
+
+make_cable_routing: Final = EnvFactory(CableRoutingEnv)

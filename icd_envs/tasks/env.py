@@ -8,6 +8,7 @@ from typing import Any, Final, Generic, Literal
 import gymnasium as gym
 import numpy as np
 from gymnasium import spaces
+from gymnasium.envs.registration import EnvSpec
 from numpy.typing import NDArray
 
 from icd_envs.api import (
@@ -17,6 +18,7 @@ from icd_envs.api import (
     Float64Array,
     FloatArray,
     Observation,
+    PartialObservation,
     SimState,
 )
 from icd_envs.errors import (
@@ -41,12 +43,16 @@ from icd_envs.tasks.base import (
     Split,
     Task,
     check_choice,
+    check_integer,
     check_seed,
     draw_problem,
     scene_rng,
+    sensor_rng,
 )
+from icd_envs.tasks.partial import look, mask_spaces
 
 RewardType = Literal["sparse", "dense"]
+ObservationMode = Literal["full", "partial"]
 
 SCENE_POINTS: Final = 1000
 FLOOR_POINTS: Final = 200
@@ -71,6 +77,7 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
         *,
         split: Split,
         reward_type: RewardType,
+        obs_mode: ObservationMode,
         render_mode: str | None,
         width: int,
         height: int,
@@ -79,37 +86,55 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
         """Set spaces up; see a task's own environment for the arguments."""
         check_choice("split", split, SPLITS)
         check_choice("reward_type", reward_type, ("sparse", "dense"))
+        check_choice("obs_mode", obs_mode, ("full", "partial"))
         check_choice("camera", camera, CAMERAS)
         if render_mode is not None:
             check_choice("render_mode", render_mode, tuple(self.metadata["render_modes"]))
-        for name, size, limit in (("width", width, MAX_WIDTH), ("height", height, MAX_HEIGHT)):
-            if type(size) is not int or not 1 <= size <= limit:
-                raise InvalidOptionError(
-                    f"{name} must be an integer in [1, {limit}] px, got {size!r}"
-                )
+        check_integer("width", width, 1, MAX_WIDTH)
+        check_integer("height", height, 1, MAX_HEIGHT)
         self.task = task
         self.split = split
         self.reward_type = reward_type
+        self.obs_mode = obs_mode
         self.render_mode = render_mode
         self._view = (width, height, camera)
         self.action_space = spaces.Box(-1.0, 1.0, (3,), np.float32)
         cloud = task.canonical_cloud().shape
-        shapes = {
+        shapes: dict[str, tuple[int, ...]] = {
             "observation": (6,),
             "achieved_goal": cloud,
             "desired_goal": cloud,
             "scene": (SCENE_POINTS, 3),
             "goal_scene": (SCENE_POINTS, 3),
         }
-        self.observation_space = spaces.Dict(  # type: ignore[assignment]
-            {name: spaces.Box(-BOUND, BOUND, shape, np.float32) for name, shape in shapes.items()}
-        )
+        parts: dict[str, spaces.Space[Any]] = {
+            name: spaces.Box(-BOUND, BOUND, shape, np.float32) for name, shape in shapes.items()
+        }
+        if obs_mode == "partial":
+            parts.update(mask_spaces(shapes))
+        self.observation_space = spaces.Dict(parts)  # type: ignore[assignment]
+        self._spec: EnvSpec | None = None
         self._problem: Problem[SceneT] | None = None
         self._simulators: list[RolloutSimulator] = []
         self._renderer: SceneRenderer | None = None
         self._closed = False
         self._steps = self._held = 0
         self._diverged = False
+
+    @property
+    def spec(self) -> EnvSpec | None:
+        """Gymnasium's recipe for this environment, with its budget of steps.
+
+        The budget depends on the options, and a restored snapshot brings the steps taken with it,
+        so that the environment truncates itself; libraries that ask the spec get the same number.
+        """
+        return self._spec
+
+    @spec.setter
+    def spec(self, spec: EnvSpec | None) -> None:
+        self._spec = spec
+        if spec is not None and spec.max_episode_steps is None:
+            spec.max_episode_steps = self.task.max_steps
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -141,6 +166,7 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
         problem = draw_problem(self.task, rng, seed)
         boxes = self.task.boxes(problem.scene)
         self._problem = problem
+        self._seed = seed
         self._signed_distance = BoxUnion(boxes)
         self._scene_cloud = sample_scene(boxes, SCENE_POINTS, FLOOR_POINTS, rng)
         self._goal = problem.oracle.points[-1].copy()
@@ -183,7 +209,8 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
             matched, self._observation["achieved_goal"], self._observation["desired_goal"]
         )
         terminated = self._diverged or self._held >= HOLD_STEPS
-        return self._copy_observation(), float(reward), terminated, False, info
+        truncated = self._steps >= self.task.max_steps
+        return self._copy_observation(), float(reward), terminated, truncated, info
 
     def compute_reward(
         self,
@@ -318,18 +345,24 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
             self._renderer = None
 
     def _observe(self, problem: Problem[SceneT]) -> Observation:
+        """The full observation; what is shown of it is kept as well."""
         plant = problem.plant
         motion: Float64Array = np.concatenate([plant.gripper(), plant.gripper_velocity()])
-        return {
+        full: Observation = {
             "observation": np.clip(motion, -BOUND, BOUND).astype(np.float32),
             "achieved_goal": plant.points(),
             "desired_goal": self._goal,
             "scene": self._scene_cloud,
             "goal_scene": self._scene_cloud,
         }
+        self._shown: Observation | PartialObservation = full
+        if self.obs_mode == "partial":
+            rng = sensor_rng(self.split, self._seed, self._steps)
+            self._shown = look(plant.model, plant.data, full, rng)
+        return full
 
     def _copy_observation(self) -> Observation:
-        return {name: value.copy() for name, value in self._observation.items()}  # type: ignore
+        return {name: value.copy() for name, value in self._shown.items()}  # type: ignore
 
     def _match(self) -> BoolArray:
         """(F,) parts of the goal that are reached now."""

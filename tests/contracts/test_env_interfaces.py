@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import pickle
 import warnings
+from dataclasses import replace
 from typing import Any
 
 import gymnasium as gym
@@ -11,7 +13,7 @@ import pytest
 
 from icd_envs.errors import InvalidOptionError
 from icd_envs.tasks.env import ContactEnv
-from tests.envs.making import digest, make, play, random_actions
+from tests.envs.making import bare, digest, make, play, random_actions, remake
 
 INFO = {"is_success": bool, "complete_rate": float, "diverged": bool, "action_clipped": bool}
 
@@ -53,7 +55,9 @@ def test_writing_into_what_was_handed_out_changes_nothing(env: ContactEnv[Any]) 
 
 
 def test_experts_actions_solve_the_episode_as_the_oracle_says(env: ContactEnv[Any]) -> None:
-    wrapped = gym.make(env.task.env_id, split="test")
+    wrapped = remake(env)
+    if env.obs_mode == "partial":
+        wrapped = remake(env, obs_mode="full")  # the clouds to compare with
     observation, _ = wrapped.reset(seed=9)
     oracle = wrapped.unwrapped.episode(oracle=True).oracle  # type: ignore[attr-defined]
     np.testing.assert_array_equal(observation["achieved_goal"], oracle.points[0])
@@ -72,7 +76,7 @@ def test_experts_actions_solve_the_episode_as_the_oracle_says(env: ContactEnv[An
 
 
 def test_episode_is_truncated_at_its_budget(env: ContactEnv[Any]) -> None:
-    wrapped = gym.make(env.task.env_id, split="test")
+    wrapped = remake(env)
     wrapped.reset(seed=0)
     budget = wrapped.unwrapped.episode().max_steps  # type: ignore[attr-defined]
     ends = [wrapped.step(np.zeros(3, np.float32))[2:4] for _ in range(budget)]
@@ -80,10 +84,31 @@ def test_episode_is_truncated_at_its_budget(env: ContactEnv[Any]) -> None:
     wrapped.close()
 
 
+def test_spec_tells_the_budget_and_a_shorter_one_can_be_asked_for(env: ContactEnv[Any]) -> None:
+    assert env.spec is not None
+    assert env.spec.max_episode_steps == env.episode().max_steps == env.task.max_steps
+    again = gym.make(env.spec)
+    assert bare(again).task == env.task
+    assert bare(again).obs_mode == env.obs_mode
+    short = remake(env, max_episode_steps=3)
+    short.reset(seed=0)
+    assert [short.step(np.zeros(3))[3] for _ in range(3)] == [False, False, True]
+    for made in (again, short):
+        made.close()
+
+
+def test_restored_state_brings_the_steps_taken_with_it(env: ContactEnv[Any]) -> None:
+    env.reset(seed=0)
+    late = replace(env.snapshot(), steps=env.task.max_steps - 2)
+    env.restore(late)
+    assert [env.step(np.zeros(3))[3] for _ in range(2)] == [False, True]
+    env.reset(seed=0)
+
+
 def test_gymnasium_checker_finds_nothing(env: ContactEnv[Any]) -> None:
     from gymnasium.utils.env_checker import check_env
 
-    fresh = gym.make(env.task.env_id, split="test").unwrapped
+    fresh = remake(env).unwrapped
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         check_env(fresh, skip_render_check=True)
@@ -94,7 +119,7 @@ def test_gymnasium_checker_finds_nothing(env: ContactEnv[Any]) -> None:
 def test_stable_baselines_checker_finds_nothing(env: ContactEnv[Any]) -> None:
     from stable_baselines3.common.env_checker import check_env
 
-    fresh = make(env.task.env_id)
+    fresh = remake(env).unwrapped
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         check_env(fresh)
@@ -110,6 +135,7 @@ def test_stable_baselines_checker_finds_nothing(env: ContactEnv[Any]) -> None:
         {"split": "tset"},
         {"split": 1},
         {"reward_type": "spares"},
+        {"obs_mode": "partail"},
         {"camera": "tpo"},
         {"render_mode": "rgb_aray"},
     ],
@@ -125,22 +151,67 @@ def test_wrong_value_of_an_option_is_answered_with_the_right_ones(
     assert repr(value) in message
 
 
-def test_misspelt_option_and_id_are_named(env: ContactEnv[Any]) -> None:
-    with pytest.raises(TypeError, match="spilt"):
-        gym.make(env.task.env_id, spilt="test")
-    with pytest.raises(gym.error.NameNotFound, match="Did you mean"):
+@pytest.mark.parametrize(
+    ("wrong", "right"),
+    [
+        ("spilt", "split"),
+        ("rewardtype", "reward_type"),
+        ("obsmode", "obs_mode"),
+        ("render_mod", "render_mode"),
+        ("max_episodes_steps", "max_episode_steps"),
+    ],
+)
+def test_misspelt_option_is_answered_with_the_right_one(
+    env: ContactEnv[Any], wrong: str, right: str
+) -> None:
+    for make_it in (gym.make, gym.make_vec):
+        with pytest.raises(InvalidOptionError, match=f"did you mean '{right}'"):
+            make_it(env.task.env_id, **{wrong: "test"})
+    with pytest.raises(TypeError, match=wrong):
+        type(env)(**{wrong: "test"})
+
+
+def test_misspelt_id_is_answered_with_the_right_one(env: ContactEnv[Any]) -> None:
+    with pytest.raises(gym.error.NameNotFound, match=f"Did you mean: `{env.task.env_id[:-3]}`"):
         gym.make(env.task.env_id.replace("ICD", "ICDD"))
+    with pytest.raises(gym.error.VersionNotFound, match="`v0`"):
+        gym.make(env.task.env_id.replace("v0", "v99"))
 
 
-def test_vector_env_and_spec_make_the_same_environment(env: ContactEnv[Any]) -> None:
-    wrapped = gym.make(env.task.env_id, split="test")
-    assert wrapped.spec is not None
-    again = gym.make(gym.envs.registration.EnvSpec.from_json(wrapped.spec.to_json()))
-    vector = gym.make_vec(env.task.env_id, num_envs=2, split="test")
-    alone = [digest([wrapped.reset(seed=seed)[0]]) for seed in (1, 2)]
-    assert digest([again.reset(seed=1)[0]]) == alone[0]
-    batch, _ = vector.reset(seed=[1, 2])
-    each = [{name: value[i] for name, value in batch.items()} for i in range(2)]
-    assert [digest([observation]) for observation in each] == alone  # type: ignore[list-item]
-    for made in (wrapped, again, vector):
-        made.close()
+def test_spec_survives_json_and_pickle(env: ContactEnv[Any]) -> None:
+    wrapped = remake(env)
+    expected = digest([wrapped.reset(seed=1)[0]])
+    spec = wrapped.spec
+    assert spec is not None
+    for copied in (gym.envs.registration.EnvSpec.from_json(spec.to_json()), reload(spec)):
+        again = gym.make(copied)
+        assert again.spec == spec
+        assert digest([again.reset(seed=1)[0]]) == expected
+        again.close()
+    wrapped.close()
+
+
+@pytest.mark.parametrize(
+    ("mode", "settings"), [("sync", {}), ("async", {"context": "spawn"}), (None, {})]
+)
+def test_vector_env_holds_the_same_environments(
+    env: ContactEnv[Any], mode: str | None, settings: dict[str, Any]
+) -> None:
+    assert env.spec is not None
+    vector = gym.make_vec(
+        env.spec.id, 2, vectorization_mode=mode, vector_kwargs=settings, **env.spec.kwargs
+    )
+    actions = random_actions(12, 3)
+    alone = []
+    for seed in (1, 2):
+        alone.append(digest([env.reset(seed=seed)[0], *play(env, actions)]))
+    batches = [vector.reset(seed=[1, 2])[0]]
+    batches += [vector.step(np.stack([action, action]))[0] for action in actions]
+    vector.close()
+    each: Any = [[{n: v[i] for n, v in batch.items()} for batch in batches] for i in range(2)]
+    assert [digest(observations) for observations in each] == alone
+
+
+def reload(spec: gym.envs.registration.EnvSpec) -> gym.envs.registration.EnvSpec:
+    """Through a pickle and back."""
+    return pickle.loads(pickle.dumps(spec))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import random
 import subprocess
 import sys
@@ -12,16 +13,15 @@ import numpy as np
 import pytest
 
 from icd_envs.tasks.env import ContactEnv
-from tests.envs.making import digest, make, play, random_actions, state_bits
+from tests.envs.making import bare, digest, plant_of, play, random_actions, remake, state_bits
 
 ROOT = Path(__file__).parents[2]
-INFO = {"is_success": bool, "complete_rate": float, "diverged": bool, "action_clipped": bool}
 
 DIGEST = """
-import sys
-from tests.envs.making import digest, make, play, random_actions
-env = make(sys.argv[1])
-first = env.reset(seed=int(sys.argv[2]))[0]
+import json, sys
+from tests.envs.making import bare, digest, plant_of, play, random_actions
+env = make(sys.argv[1], **json.loads(sys.argv[2]))
+first = env.reset(seed=3)[0]
 print(digest([first, *play(env, random_actions(2, 100))]))
 """
 
@@ -39,9 +39,12 @@ def test_rollout_equals_steps_bit_for_bit(
     simulator = env.episode(simulator=True, threads=threads).simulator
     assert simulator is not None
     rollout = simulator.rollout(env.snapshot(), np.repeat(actions[None], 3, axis=0))
-    seen = play(env, actions)
-    cloud = np.stack([observation["achieved_goal"] for observation in seen])
-    gripper = np.stack([observation["observation"][:3] for observation in seen])
+    cloud, gripper = [], []
+    for action in actions:
+        observation, *_ = env.step(action)
+        cloud.append(plant_of(env).points())  # what is observed, unless the view is partial
+        gripper.append(observation["observation"][:3])
+    cloud, gripper = np.stack(cloud), np.stack(gripper)
     for k in range(3):
         assert rollout.points[k].tobytes() == cloud.tobytes()
         assert rollout.gripper[k].tobytes() == gripper.tobytes()
@@ -82,7 +85,8 @@ def test_snapshot_is_not_changed_by_what_follows(env: ContactEnv[Any]) -> None:
 def test_same_seed_gives_the_same_hundred_steps_in_another_process(env: ContactEnv[Any]) -> None:
     first = env.reset(seed=3)[0]
     here = digest([first, *play(env, random_actions(2, 100))])
-    command = [sys.executable, "-c", DIGEST, env.task.env_id, "3"]
+    assert env.spec is not None
+    command = [sys.executable, "-c", DIGEST, env.task.env_id, json.dumps(env.spec.kwargs)]
     there = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
     assert there.stdout.split()[-1] == here
 
@@ -90,7 +94,7 @@ def test_same_seed_gives_the_same_hundred_steps_in_another_process(env: ContactE
 def test_reset_forgets_history_and_ignores_rollouts_and_global_seeds(
     env: ContactEnv[Any],
 ) -> None:
-    plain = make(env.task.env_id)
+    plain = bare(remake(env))
     first = digest([plain.reset(seed=4)[0], *play(plain, random_actions(6, 20))])
     plain.close()
     env.reset(seed=9)
@@ -131,7 +135,7 @@ def test_unseeded_resets_follow_from_the_last_seed(env: ContactEnv[Any]) -> None
 
 
 def test_splits_and_seeds_draw_different_scenes(env: ContactEnv[Any]) -> None:
-    train = make(env.task.env_id, split="train")
+    train = bare(remake(env, split="train"))
     scenes = [e.reset(seed=s)[0]["scene"].tobytes() for e, s in ((env, 0), (env, 1), (train, 0))]
     assert len(set(scenes)) == 3
     train.close()

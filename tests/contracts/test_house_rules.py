@@ -32,7 +32,12 @@ OFFENCES = {
         "torch.manual_seed(0)",
         "rng = np.random.default_rng()",
     ],
-    "no_pass_through": ["def f(a, **kwargs): ...", "f = lambda **kw: kw"],
+    "no_pass_through": [
+        "def f(a, **kwargs): ...",
+        "f = lambda **kw: kw",
+        "class EnvFactory:\n    def make(self, **options): ...",
+        "class Other:\n    def __call__(self, **options): ...",
+    ],
     "no_bare_except": ["try:\n    f()\nexcept:\n    pass"],
     "no_clock": ["import time", "from time import monotonic", "from datetime import datetime"],
 }

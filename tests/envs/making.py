@@ -8,12 +8,17 @@ from typing import Any
 import gymnasium as gym
 import numpy as np
 
-import icd_envs  # noqa: F401  registers the environments
+from icd_envs import ENV_IDS
 from icd_envs.api import Float32Array, Observation
 from icd_envs.physics.plant import Plant
 from icd_envs.tasks.env import ContactEnv
 
 CABLE = "ICDCableRouting-v0"
+
+VARIANTS: list[tuple[str, dict[str, Any]]] = [(env_id, {}) for env_id in ENV_IDS] + [
+    (CABLE, {"num_fixtures": 1, "cable": "charging", "obs_mode": "partial"})
+]
+"""Every environment as it is, and options that change what the contracts speak of."""
 
 
 def make(env_id: str = CABLE, **options: object) -> ContactEnv[Any]:
@@ -21,6 +26,18 @@ def make(env_id: str = CABLE, **options: object) -> ContactEnv[Any]:
     env = gym.make(env_id, **{"split": "test", **options}).unwrapped
     assert isinstance(env, ContactEnv)
     return env
+
+
+def remake(env: ContactEnv[Any], **changes: object) -> gym.Env[Any, Any]:
+    """Another environment of the same options, as most users have it: wrapped."""
+    assert env.spec is not None
+    return gym.make(env.spec.id, **{**env.spec.kwargs, **changes})
+
+
+def bare(env: gym.Env[Any, Any]) -> ContactEnv[Any]:
+    """The environment inside its wrappers."""
+    assert isinstance(env.unwrapped, ContactEnv)
+    return env.unwrapped
 
 
 def random_actions(seed: int, *shape: int) -> Float32Array:

@@ -1,0 +1,95 @@
+"""Videos of episodes, written with imageio.
+
+Gymnasium's own ``RecordVideo`` needs MoviePy, which pins an old Pillow; it works as well where
+MoviePy is installed.
+"""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+from typing import Any
+
+import gymnasium as gym
+
+from icd_envs.api import FloatArray
+from icd_envs.errors import InvalidOptionError, RenderingUnavailableError
+
+
+class RecordEpisodes(
+    gym.Wrapper[Any, FloatArray, Any, FloatArray], gym.utils.RecordConstructorArgs
+):
+    """Write one mp4 file per episode; where pictures are impossible, warn once and go on."""
+
+    def __init__(
+        self, env: gym.Env[Any, Any], folder: str, *, name: str = "episode", every: int = 1
+    ) -> None:
+        """Prepare; nothing is written before the first step.
+
+        Args:
+            env: made with ``render_mode="rgb_array"``.
+            folder: where the files go; made if needed.
+            name: files are called ``<name>-0000.mp4`` and so on, counting all episodes.
+            every: record one episode in that many.
+
+        Raises:
+            InvalidOptionError: if ``env`` draws no pictures, or ``every`` is below 1.
+        """
+        gym.utils.RecordConstructorArgs.__init__(self, folder=folder, name=name, every=every)
+        super().__init__(env)
+        if env.render_mode != "rgb_array":
+            raise InvalidOptionError(
+                f"render_mode must be 'rgb_array' for a video, got {env.render_mode!r}: "
+                "make(..., render_mode='rgb_array')"
+            )
+        if every < 1:
+            raise InvalidOptionError(f"every must be at least 1, got {every}")
+        self._folder, self._name, self._every = Path(folder), name, every
+        self._episodes = 0
+        self._works = True
+        self._writer: Any = None
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Any, dict[str, Any]]:
+        """Finish the video of the last episode, if it did not end, and begin the next."""
+        self._finish()
+        result = super().reset(seed=seed, options=options)
+        if self._episodes % self._every == 0 and self._works:
+            self._begin()
+        self._episodes += 1
+        return result
+
+    def step(self, action: FloatArray) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
+        """Step and add a frame; the file is complete when the episode has ended."""
+        result = super().step(action)
+        if self._writer is not None:
+            self._writer.append_data(self.env.render())
+            if result[2] or result[3]:
+                self._finish()
+        return result
+
+    def close(self) -> None:
+        """Finish the video and close the environment."""
+        self._finish()
+        super().close()
+
+    def _begin(self) -> None:
+        import imageio
+
+        try:
+            frame = self.env.render()
+        except RenderingUnavailableError as error:
+            self._works = False
+            warnings.warn(f"no videos: {error}", stacklevel=3)
+            return
+        self._folder.mkdir(parents=True, exist_ok=True)
+        path = self._folder / f"{self._name}-{self._episodes:04d}.mp4"
+        fps = self.metadata["render_fps"]
+        self._writer = imageio.get_writer(path, fps=fps, macro_block_size=2)
+        self._writer.append_data(frame)
+
+    def _finish(self) -> None:
+        if self._writer is not None:
+            self._writer.close()
+            self._writer = None
