@@ -6,8 +6,11 @@ from typing import Final
 
 import gymnasium as gym
 
-MAX_STEPS: Final = {"ICDCableRouting-v0": 300}
-ENTRY_POINTS: Final = {"ICDCableRouting-v0": "icd_envs.tasks.cable_routing:CableRoutingEnv"}
+MAX_STEPS: Final = {"ICDCableRouting-v0": 300, "ICDNotebookFolding-v0": 150}
+ENTRY_POINTS: Final = {
+    "ICDCableRouting-v0": "icd_envs.tasks.cable_routing:CableRoutingEnv",
+    "ICDNotebookFolding-v0": "icd_envs.tasks.notebook_folding:NotebookFoldingEnv",
+}
 ENV_IDS: Final[tuple[str, ...]] = tuple(ENTRY_POINTS)
 
 
