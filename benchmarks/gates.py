@@ -104,6 +104,30 @@ GATES: dict[str, tuple[Gate, ...]] = {
             0,
         ),
     ),
+    "ICDNotebookFolding-v0": (
+        Gate(
+            "expert_success",
+            ExpertRuns("expert-clean", split="test", noisy=False, episodes=200),
+            "success",
+            ">=",
+            0.90,
+        ),
+        Gate("pc_mppi_success", _PC_MPPI, "success", "in", (0.25, 0.75)),
+        Gate(
+            "oracle_points_success",
+            AgentRuns("ladder:oracle-points", episodes=20),
+            "success",
+            ">=",
+            0.95,
+        ),
+        Gate(
+            "noisy_divergences",
+            ExpertRuns("expert-noisy", split="train", noisy=True, episodes=1000),
+            "divergences",
+            "==",
+            0,
+        ),
+    ),
 }
 
 

@@ -6,7 +6,10 @@ from typing import Final
 
 import gymnasium as gym
 
-ENTRY_POINTS: Final = {"ICDCableRouting-v0": "icd_envs.tasks.cable_routing:make_cable_routing"}
+ENTRY_POINTS: Final = {
+    "ICDCableRouting-v0": "icd_envs.tasks.cable_routing:make_cable_routing",
+    "ICDNotebookFolding-v0": "icd_envs.tasks.notebook_folding:make_notebook_folding",
+}
 ENV_IDS: Final[tuple[str, ...]] = tuple(ENTRY_POINTS)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes.util
-import itertools
 import os
 import sys
 import warnings
@@ -97,12 +96,12 @@ class SceneRenderer:
 
         Args:
             data: state; its positions must be up to date.
-            goal: (N, 3) [m] cloud, drawn as a line of capsules; or (0, 3).
-            radius: [m] of those capsules.
+            goal: (N, 3) [m] cloud, drawn as spheres; or (0, 3).
+            radius: [m] of those spheres.
         """
         self._renderer.disable_depth_rendering()
         self._update(data)
-        self._draw_line(goal, radius)
+        self._draw_points(goal, radius)
         return np.asarray(self._renderer.render())
 
     def depth(self, data: mujoco.MjData) -> Float32Array:
@@ -117,21 +116,15 @@ class SceneRenderer:
         mujoco.mj_camlight(self._model, data)  # a plant that was only set has no cameras yet
         self._renderer.update_scene(data, self._camera, self._options)
 
-    def _draw_line(self, points: Float32Array, radius: float) -> None:
+    def _draw_points(self, points: Float32Array, radius: float) -> None:
         import mujoco
 
         scene = self._renderer.scene
-        for start, end in itertools.pairwise(points):
-            if scene.ngeom >= scene.maxgeom:
-                break
-            geom = scene.geoms[scene.ngeom]
+        for point in points[: scene.maxgeom - scene.ngeom]:
             mujoco.mjv_initGeom(
-                geom, mujoco.mjtGeom.mjGEOM_CAPSULE, np.zeros(3), np.zeros(3), np.zeros(9),
-                GOAL_RGBA,
+                scene.geoms[scene.ngeom], mujoco.mjtGeom.mjGEOM_SPHERE, np.full(3, radius),
+                point.astype(float), np.eye(3).ravel(), GOAL_RGBA,
             )  # fmt: skip
-            mujoco.mjv_connector(
-                geom, mujoco.mjtGeom.mjGEOM_CAPSULE, radius, start.astype(float), end.astype(float)
-            )
             scene.ngeom += 1
 
     def close(self) -> None:

@@ -5,8 +5,9 @@ from __future__ import annotations
 from icd_envs.errors import InvalidOptionError, unknown_name
 from icd_envs.tasks.base import Demonstration, SceneT, Split, Task, run_expert, scene_rng
 from icd_envs.tasks.cable_routing import CableRouting
+from icd_envs.tasks.notebook_folding import NotebookFolding
 
-TASKS: dict[str, Task] = {task.env_id: task for task in (CableRouting(),)}  # type: ignore
+TASKS: dict[str, Task] = {task.env_id: task for task in (CableRouting(), NotebookFolding())}  # type: ignore
 
 
 def find_task(env_id: str) -> Task:  # type: ignore[type-arg]

@@ -42,8 +42,31 @@ class TrackedCloud:
 
     def __call__(self, nodes: Float64Array) -> Float32Array:
         """(..., P, 3) node positions -> (..., N, 3) float32 cloud [m]."""
+        return self.between(nodes).astype(np.float32)
+
+    def between(self, nodes: Float64Array) -> Float64Array:
+        """The same, not yet rounded to float32."""
         first = nodes[..., self.start, :]
-        return (first + self.share * (nodes[..., self.start + 1, :] - first)).astype(np.float32)
+        return first + self.share * (nodes[..., self.start + 1, :] - first)
+
+
+@dataclass(frozen=True)
+class TrackedSheet:
+    """How the object cloud follows from nodes in pairs: the left and right end of each edge.
+
+    Attributes:
+        along: where each point lies along either side.
+        across: (N, 1) position between the left and the right side, in [0, 1].
+    """
+
+    along: TrackedCloud
+    across: Float64Array
+
+    def __call__(self, nodes: Float64Array) -> Float32Array:
+        """(..., P, 3) node positions, left and right in turn -> (..., N, 3) float32 cloud [m]."""
+        left = self.along.between(nodes[..., 0::2, :])
+        right = self.along.between(nodes[..., 1::2, :])
+        return (left + self.across * (right - left)).astype(np.float32)
 
 
 class Plant:
@@ -53,7 +76,7 @@ class Plant:
     ``grasp`` and sites ``node_0 ...`` each with a position sensor of its name, in order.
     """
 
-    def __init__(self, xml: str, cloud: TrackedCloud, action_scale: float) -> None:
+    def __init__(self, xml: str, cloud: TrackedCloud | TrackedSheet, action_scale: float) -> None:
         """Compile a scene.
 
         Args:

@@ -58,7 +58,7 @@ SCENE_POINTS: Final = 1000
 FLOOR_POINTS: Final = 200
 CAMERAS: Final = ("overview", "side", "top")
 GOAL_RADIUS: Final = 0.004
-"""[m] thickness of the goal in pictures."""
+"""[m] of the spheres that show the goal in pictures."""
 
 Info = dict[str, Any]
 
@@ -321,7 +321,7 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
             self._renderer = SceneRenderer(plant.model, *self._view)
         if self.render_mode == "depth_array":
             return self._renderer.depth(plant.data)
-        return self._renderer.rgb(plant.data, self._goal[::4], GOAL_RADIUS)
+        return self._renderer.rgb(plant.data, self._goal, GOAL_RADIUS)
 
     def close(self) -> None:
         """Free threads and GL; a second call does nothing."""

@@ -58,13 +58,14 @@ def test_experts_actions_solve_the_episode_as_the_oracle_says(env: ContactEnv[An
     wrapped = remake(env)
     if env.obs_mode == "partial":
         wrapped = remake(env, obs_mode="full")  # the clouds to compare with
-    observation, _ = wrapped.reset(seed=9)
+    observation, info = wrapped.reset(seed=9)
     oracle = wrapped.unwrapped.episode(oracle=True).oracle  # type: ignore[attr-defined]
     np.testing.assert_array_equal(observation["achieved_goal"], oracle.points[0])
     terminated = truncated = False
     for action, points in zip(oracle.actions, oracle.points[1:], strict=True):
-        assert not terminated
         assert not truncated
+        # Where success is a distance to the goal, the way's end is within it before it is reached.
+        assert not terminated or info["is_success"]
         observation, reward, terminated, truncated, info = wrapped.step(action)
         np.testing.assert_array_equal(observation["achieved_goal"], points)
     assert (reward, terminated, info["is_success"]) == (0.0, True, True)
