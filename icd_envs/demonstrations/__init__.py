@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from icd_envs.demonstrations.experts import TASKS, demonstrate, find_task
+from icd_envs.demonstrations.experts import TASKS, demonstrate, demonstrate_task, find_task
 from icd_envs.demonstrations.reader import Demonstrations, RecordedEpisode, RecordedScene
 
 __all__ = [
@@ -11,5 +11,6 @@ __all__ = [
     "RecordedEpisode",
     "RecordedScene",
     "demonstrate",
+    "demonstrate_task",
     "find_task",
 ]

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Final
+from dataclasses import dataclass
+from typing import Any, ClassVar, Final
 
 import numpy as np
 
@@ -36,13 +37,14 @@ def track_sheet(notebook: NotebookSpec) -> TrackedSheet:
     return TrackedSheet(TrackedCloud(start, share[:, None]), across[:, None])
 
 
+@dataclass(frozen=True)
 class NotebookFolding:
-    """The task behind ``ICDNotebookFolding-v0``."""
+    """The task behind ``ICDNotebookFolding-v0``; it has no options."""
 
-    env_id: str = "ICDNotebookFolding-v0"
-    max_steps: int = 150
-    action_scale: float = 0.03
-    parameter_names: tuple[str, ...] = ("table",)
+    env_id: ClassVar[str] = "ICDNotebookFolding-v0"
+    max_steps: ClassVar[int] = 150
+    action_scale: ClassVar[float] = 0.03
+    parameter_names: ClassVar[tuple[str, ...]] = ("table",)
 
     def draw_scene(self, rng: np.random.Generator) -> NotebookFoldingScene:
         """Table and obstacles at random; see ``icd_envs.scenes.notebook_folding``."""

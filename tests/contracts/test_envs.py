@@ -19,7 +19,7 @@ ROOT = Path(__file__).parents[2]
 
 DIGEST = """
 import json, sys
-from tests.envs.making import bare, digest, plant_of, play, random_actions
+from tests.envs.making import digest, make, play, random_actions
 env = make(sys.argv[1], **json.loads(sys.argv[2]))
 first = env.reset(seed=3)[0]
 print(digest([first, *play(env, random_actions(2, 100))]))

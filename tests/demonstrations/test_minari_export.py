@@ -6,6 +6,7 @@ import builtins
 from pathlib import Path
 
 import gymnasium as gym
+import minari
 import numpy as np
 import pytest
 
@@ -15,7 +16,6 @@ from icd_envs.demonstrations.minari_export import check_dataset_id, export
 from icd_envs.errors import DemonstrationsError, InvalidOptionError
 from tests.demonstrations.making import make_folder
 
-minari = pytest.importorskip("minari")
 ID = "icd/cable-routing/noisy-v0"
 
 
@@ -128,7 +128,6 @@ def test_unwritable_root_is_an_error(
 @pytest.mark.parametrize("env_id", icd_envs.ENV_IDS)
 @pytest.mark.parametrize("storage", ["arrow", "parquet"])
 def test_minaris_collector_takes_the_environment(env_id: str, storage: str) -> None:
-    pytest.importorskip("jax")
     env = minari.DataCollector(gym.make(env_id), data_format=storage)
     for seed in (3, None):
         env.reset(seed=seed)
