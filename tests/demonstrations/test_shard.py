@@ -45,7 +45,7 @@ def test_missing_shard_is_named(tmp_path: Path) -> None:
         read_shard(tmp_path / "shard-00003.npz")
 
 
-@settings(max_examples=60)
+@settings(max_examples=60, deadline=None)
 @given(cut=st.floats(0.0, 1.0, exclude_max=True))
 def test_truncated_shard_is_an_error_naming_the_file(
     tmp_path_factory: pytest.TempPathFactory, cut: float
@@ -57,7 +57,7 @@ def test_truncated_shard_is_an_error_naming_the_file(
         read_shard(path)
 
 
-@settings(max_examples=150)
+@settings(max_examples=150, deadline=None)
 @given(place=st.floats(0.0, 1.0, exclude_max=True), bit=st.integers(0, 7))
 def test_flipped_bit_never_changes_a_value_silently(
     tmp_path_factory: pytest.TempPathFactory, place: float, bit: int
