@@ -42,6 +42,7 @@ def loaded(*modules: str) -> set[str]:
         ("icd_envs", HEAVY),
         ("icd_envs.api", HEAVY | {"scipy"}),
         ("icd_envs.errors", HEAVY),
+        ("icd_envs.wrappers", HEAVY),
         ("icd_agent.mppi.presets", HEAVY),
         ("icd_agent.tracking", {"torch", "stable_baselines3", "diffusers"}),
         ("benchmarks.cli", HEAVY | {"gymnasium", "matplotlib"}),

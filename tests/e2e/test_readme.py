@@ -20,8 +20,16 @@ def block(language: str, marker: str) -> str:
     return found[0]
 
 
+def test_readme_options_and_wrapper_example_runs() -> None:
+    code = block("python", "SubsamplePointCloud")
+    result = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=240
+    )
+    assert result.returncode == 0, result.stderr
+
+
 def test_readme_environment_example_runs() -> None:
-    code = block("python", "gym.make")
+    code = block("python", "env.step(")
     result = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=120
     )
