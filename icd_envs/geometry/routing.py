@@ -85,7 +85,7 @@ class _Pass(NamedTuple):
 
 
 def _through(points: FloatArray, clip: FloatArray) -> list[_Pass]:
-    """Passes of one polyline (N, 3) through one throat (3,): as ``_passes``, in a fifth of the time.
+    """Passes of one polyline (N, 3) through one throat (3,): as ``_passes``, in a fifth the time.
 
     Experts and collecting look at every step; few segments pass the plane at all.
     """
