@@ -73,8 +73,8 @@ def draw_failure(index: int, threads: int) -> None:
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--expert-index", type=int, default=0)
-    parser.add_argument("--failure-index", type=int, default=0)
+    parser.add_argument("--expert-index", type=int, default=1)
+    parser.add_argument("--failure-index", type=int, default=1)
     parser.add_argument("--threads", type=int, default=2)
     options = parser.parse_args()
     draw_expert(options.expert_index)
