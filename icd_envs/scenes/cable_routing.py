@@ -46,7 +46,7 @@ AXIS_JITTER: Final = (-0.3, 0.3)
 
 GRASP_SOLREF: Final = (0.01, 1.0)
 GRASP_SOLIMP: Final = (0.99, 0.999, 0.001, 0.5, 2.0)
-"""Stiffness of the grasp: a taut cable stays within 3 mm of the fingers, not 22 mm."""
+"""Stiffness of the grasp: a taut cable stays within 6 mm of the fingers, not 22 mm."""
 
 CAMERAS: Final = (
     ("overview", (1.45, -1.40, 1.05), (0.38, -0.24, 0.0)),
