@@ -78,8 +78,9 @@ def test_rollouts_diverge_where_steps_do(env: ContactEnv[Any], velocity: float) 
         if happened:
             break
     assert predicted == happened
-    if velocity <= 10.0 or velocity >= 1e5:  # between these, damping may save a joint
-        assert happened == (velocity > 10.0)
+    # The notebook's damped joints survive what the cable's do not.
+    survives = 1e3 if env.task.env_id == "ICDNotebookFolding-v0" else 10.0
+    assert happened == (velocity > survives)
 
 
 def test_reset_after_a_divergence_is_as_good_as_new(env: ContactEnv[Any]) -> None:
