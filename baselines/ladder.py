@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 
 from icd_agent.chain import CostSpace, PointSpace
@@ -19,9 +21,22 @@ class OracleSource:
 
     needs_oracle = True
 
-    def __init__(self, space: CostSpace, stride: int = ORACLE_STRIDE) -> None:
-        """Measure in ``space``, take every ``stride``-th state."""
+    def __init__(
+        self,
+        space: CostSpace,
+        scene: Literal["present", "goal"] = "present",
+        stride: int = ORACLE_STRIDE,
+    ) -> None:
+        """Choose a solution.
+
+        Args:
+            space: where distances are measured.
+            scene: the solution of the present scene, or of the one the goal was specified in;
+                they differ in the adaptation tasks only.
+            stride: every so many states.
+        """
         self._space = space
+        self._scene = scene
         self._stride = stride
 
     def chain(self, episode: Episode, observation: Observation) -> FloatArray:
@@ -30,18 +45,31 @@ class OracleSource:
         Raises:
             InvalidOptionError: if the episode has no oracle.
         """
-        if episode.oracle is None:
+        oracle = episode.oracle if self._scene == "present" else episode.goal_oracle
+        if oracle is None:
             raise InvalidOptionError(
-                "episode.oracle=None: oracle subgoals need the expert's states"
+                "the episode has no oracle, but oracle subgoals need the expert's states: "
+                "build it with oracle=True"
             )
-        points = episode.oracle.points
-        last = len(points) - 1
-        return self._space.features(points[np.unique(np.r_[0 : last : self._stride, last])])
+        last = len(oracle.points) - 1
+        return self._space.features(oracle.points[np.unique(np.r_[0 : last : self._stride, last])])
 
 
 def make_oracle_points() -> SubgoalTracker:
     """Build rung 1: oracle subgoals, distances in points; what fails here is the tracking."""
+    return _track_points("present")
+
+
+def make_transferred_points() -> SubgoalTracker:
+    """Build the control of the adaptation tasks: the same with the solution of the goal's scene.
+
+    It knows where everything was, so what it lacks is that contacts matter, not places.
+    """
+    return _track_points("goal")
+
+
+def _track_points(scene: Literal["present", "goal"]) -> SubgoalTracker:
     space = PointSpace()
     # One at a time: with a window of 3 the tracker skipped the lift over a clip in 2 of 20 scenes.
     config = TrackerConfig(window=1, patience=40)
-    return SubgoalTracker(OracleSource(space), space, preset("paper"), config)
+    return SubgoalTracker(OracleSource(space, scene), space, preset("paper"), config)

@@ -16,6 +16,7 @@ AGENTS: dict[str, str] = {
     "expert": "baselines.expert:ExpertAgent",
     "pc-mppi": "baselines.pc_mppi:make_pc_mppi",
     "ladder:oracle-points": "baselines.ladder:make_oracle_points",
+    "ladder:transferred-points": "baselines.ladder:make_transferred_points",
 }
 
 

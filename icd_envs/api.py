@@ -141,6 +141,8 @@ class Episode:
         gripper_spheres: (S, 4) float32, centre relative to the gripper position [m] and radius [m].
         simulator: only for agents with ``needs_simulator = True``.
         oracle: only for agents with ``needs_oracle = True``.
+        goal_oracle: likewise; how the expert solved the scene that the goal was specified in. The
+            same as ``oracle`` except in the adaptation tasks.
     """
 
     env_id: str
@@ -151,6 +153,7 @@ class Episode:
     gripper_spheres: Float32Array
     simulator: Simulator | None = None
     oracle: Oracle | None = None
+    goal_oracle: Oracle | None = None
 
 
 @runtime_checkable

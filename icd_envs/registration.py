@@ -9,6 +9,10 @@ import gymnasium as gym
 ENTRY_POINTS: Final = {
     "ICDCableRouting-v0": "icd_envs.tasks.cable_routing:make_cable_routing",
     "ICDNotebookFolding-v0": "icd_envs.tasks.notebook_folding:make_notebook_folding",
+    "ICDCableRoutingAdaptation-v0": "icd_envs.tasks.cable_routing:make_cable_routing_adaptation",
+    "ICDNotebookFoldingAdaptation-v0": (
+        "icd_envs.tasks.notebook_folding:make_notebook_folding_adaptation"
+    ),
 }
 ENV_IDS: Final[tuple[str, ...]] = tuple(ENTRY_POINTS)
 

@@ -20,9 +20,10 @@ from icd_envs.api import Float32Array
 from icd_envs.experts.notebook_folding import Fault, NotebookFoldingExpert, Style
 from icd_envs.geometry.folding import fold_gap
 from icd_envs.rendering import SceneRenderer
-from icd_envs.tasks.base import draw_problem, run_expert, scene_rng
+from icd_envs.tasks.base import run_expert
 from icd_envs.tasks.env import GOAL_RADIUS
 from icd_envs.tasks.notebook_folding import GOAL_DISTANCE, NotebookFolding
+from icd_envs.tasks.problem import draw_problem, scene_rng
 
 ENV_ID = "ICDNotebookFolding-v0"
 FOLDER = Path(__file__).parent / "img"
@@ -75,7 +76,7 @@ def measure(scenes: int) -> dict[str, list[float]]:
     found: dict[str, list[float]] = defaultdict(list)
     for seed in range(scenes):
         rng = scene_rng("train", 10_000 + seed)
-        scene = task.draw_scene(rng)
+        scene = task.draw_scenes(rng).scene
         plant = task.make_plant(scene)
         start = plant.get_state()
         clean = run_expert(task, scene, plant, task.make_expert(scene))

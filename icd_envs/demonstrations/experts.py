@@ -3,11 +3,20 @@
 from __future__ import annotations
 
 from icd_envs.errors import InvalidOptionError, unknown_name
-from icd_envs.tasks.base import Demonstration, SceneT, Split, Task, run_expert, scene_rng
-from icd_envs.tasks.cable_routing import CableRouting
-from icd_envs.tasks.notebook_folding import NotebookFolding
+from icd_envs.tasks.base import Demonstration, SceneT, Task, run_expert
+from icd_envs.tasks.cable_routing import CableRouting, CableRoutingAdaptation
+from icd_envs.tasks.notebook_folding import NotebookFolding, NotebookFoldingAdaptation
+from icd_envs.tasks.problem import Split, scene_rng
 
-TASKS: dict[str, Task] = {task.env_id: task for task in (CableRouting(), NotebookFolding())}  # type: ignore
+TASKS: dict[str, Task] = {  # type: ignore[type-arg]
+    task.env_id: task
+    for task in (
+        CableRouting(),
+        NotebookFolding(),
+        CableRoutingAdaptation(),
+        NotebookFoldingAdaptation(),
+    )
+}
 
 
 def find_task(env_id: str) -> Task:  # type: ignore[type-arg]
@@ -40,6 +49,6 @@ def demonstrate_task(
 ) -> Demonstration:
     """The same for a task with options, e.g. ``CableRouting(num_fixtures=3)``."""
     rng = scene_rng(split, seed)
-    scene = task.draw_scene(rng)
+    scene = task.draw_scenes(rng).scene
     plant = task.make_plant(scene)
     return run_expert(task, scene, plant, task.make_expert(scene, rng, noisy=noisy))

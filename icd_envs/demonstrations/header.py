@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Final
 
 from icd_envs.errors import DemonstrationsError
-from icd_envs.tasks.base import SPLITS, Split
+from icd_envs.tasks.problem import SPLITS, Split
 
 FILE_NAME: Final = "demonstrations.json"
 FORMAT: Final = 1

@@ -18,8 +18,9 @@ from icd_envs.demonstrations.shard import PARAMETER, Arrays, read_shard
 from icd_envs.errors import DemonstrationsError
 from icd_envs.geometry.point_cloud import sample_scene
 from icd_envs.scenes.boxes import Box
-from icd_envs.tasks.base import Task, scene_rng
+from icd_envs.tasks.base import Task
 from icd_envs.tasks.env import FLOOR_POINTS, SCENE_POINTS
+from icd_envs.tasks.problem import scene_rng
 
 
 @dataclass(frozen=True)
@@ -163,7 +164,7 @@ class Demonstrations:
             DemonstrationsError: this version of the task draws another scene from the seed.
         """
         rng = scene_rng(self.header.split, int(self.seeds[i]))
-        scene = self._task.draw_scene(rng)
+        scene = self._task.draw_scenes(rng).scene
         if not self.same_scene(i, self._task.parameters(scene)):
             raise self._another_version(i, "scene")
         boxes = self._task.boxes(scene)
@@ -198,7 +199,7 @@ class Demonstrations:
     @cached_property
     def _cloud(self) -> Callable[[Float64Array], Float32Array]:
         # It is the same for all scenes; compiling one takes about 0.1 s.
-        scene = self._task.draw_scene(scene_rng(self.header.split, int(self.seeds[0])))
+        scene = self._task.draw_scenes(scene_rng(self.header.split, int(self.seeds[0]))).scene
         return self._task.make_plant(scene).cloud
 
     def _another_version(self, i: int, what: str) -> DemonstrationsError:

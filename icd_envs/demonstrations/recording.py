@@ -6,7 +6,8 @@ import numpy as np
 
 from icd_envs.demonstrations.experts import find_task
 from icd_envs.demonstrations.shard import Recording
-from icd_envs.tasks.base import Split, run_expert, scene_rng
+from icd_envs.tasks.base import run_expert
+from icd_envs.tasks.problem import Split, scene_rng
 
 
 def record(env_id: str, *, seed: int, steps: int, split: Split, noisy: bool) -> Recording:
@@ -21,7 +22,7 @@ def record(env_id: str, *, seed: int, steps: int, split: Split, noisy: bool) -> 
     """
     task = find_task(env_id)
     rng = scene_rng(split, seed)
-    scene = task.draw_scene(rng)
+    scene = task.draw_scenes(rng).scene
     plant = task.make_plant(scene)
     expert = task.make_expert(scene, rng, noisy=noisy)
     shown = run_expert(task, scene, plant, expert, steps)

@@ -16,9 +16,8 @@ import numpy as np
 
 from icd_envs.api import Float64Array, FloatArray
 from icd_envs.geometry.routing import Crossing, find_crossing
-from icd_envs.scenes.cable_routing import CableRoutingScene
+from icd_envs.scenes.cable_routing import CableRoutingScene, Contact
 
-Intent = Literal["route", "wrong", "skip"]
 Phase = Literal["detour", "lift", "swing", "lower", "sweep"]
 
 PHASES: Final[tuple[Phase, ...]] = ("detour", "lift", "swing", "lower", "sweep")
@@ -49,36 +48,36 @@ class Style:
     """How an expert behaves in one episode; the default is a clean demonstration.
 
     Attributes:
-        intents: what to do at each clip; clips beyond its length are routed.
+        contacts: what to do at each clip; None is what the scene asks for.
         speed: [m] gripper translation per control step.
         noise: [m] standard deviation per axis of Gaussian noise on each translation.
         detour: (2,) bearing and elevation [rad] of a place to visit first, or None.
     """
 
-    intents: tuple[Intent, ...] = ()
+    contacts: tuple[Contact, ...] | None = None
     speed: float = 0.028
     noise: float = 0.0
     detour: tuple[float, float] | None = None
 
 
-def draw_style(rng: np.random.Generator, clips: int) -> Style:
+def draw_style(rng: np.random.Generator, wanted: tuple[Contact, ...]) -> Style:
     """Behaviour for data that is not all good demonstrations (paper: it need not be).
 
-    With probability 0.3 one of: a clip taken on its wrong side, a clip skipped, a detour.
+    With probability 0.3 one of: a clip passed behind, a clip left alone, a detour.
 
     Args:
         rng: source of every draw.
-        clips: number of clips in the scene.
+        wanted: what the scene asks for at each clip.
     """
-    intents: list[Intent] = ["route"] * clips
+    contacts = list(wanted)
     detour = None
     if rng.random() < 0.3:
         fault = rng.integers(3)
         if fault == 2:
             detour = (rng.uniform(-np.pi, np.pi), rng.uniform(0.0, 0.6))
         else:
-            intents[rng.integers(clips)] = "wrong" if fault == 0 else "skip"
-    return Style(tuple(intents), rng.uniform(0.018, 0.03), rng.uniform(0.0, 0.01), detour)
+            contacts[rng.integers(len(wanted))] = "behind" if fault == 0 else "free"
+    return Style(tuple(contacts), rng.uniform(0.018, 0.03), rng.uniform(0.0, 0.01), detour)
 
 
 class CableRoutingExpert:
@@ -103,9 +102,8 @@ class CableRoutingExpert:
         self._scale = action_scale
         self._style = style or Style()
         self._rng = rng
-        clips = len(scene.clips)
-        self._intents = (self._style.intents + ("route",) * clips)[:clips]
-        self._passed = [False] * clips
+        self._contacts = self._style.contacts or scene.contacts
+        self._passed = [False] * len(scene.clips)
         self._clip: int | None = None
         self._phase = 0
         self._detoured = self._style.detour is None
@@ -134,12 +132,12 @@ class CableRoutingExpert:
         return np.clip(translation / self._scale, -1.0, 1.0)
 
     def _next_clip(self, crossings: list[Crossing | None]) -> int | None:
-        for i, (intent, crossing) in enumerate(zip(self._intents, crossings, strict=True)):
-            if intent == "route":
+        for i, (contact, crossing) in enumerate(zip(self._contacts, crossings, strict=True)):
+            if contact == "through":
                 self._passed[i] = crossing is not None and (
                     self._passed[i] or crossing.depth < SEATED
                 )
-            if intent != "skip" and not self._passed[i]:
+            if contact != "free" and not self._passed[i]:
                 return i
         return None
 
@@ -195,7 +193,7 @@ class CableRoutingExpert:
         distance = float(np.hypot(to[0], to[1]))
         bearing = np.arctan2(to[1], to[0])
         side = np.sign(to[0] * clip.mouth[1] - to[1] * clip.mouth[0])
-        if self._intents[index] == "wrong":
+        if self._contacts[index] == "behind":
             side = -side
         beside = bearing + side * np.arctan2(CLEARANCE_SIDE, distance)
         high = np.arcsin(min(0.7, (CLEARANCE_TOP - pivot[2]) / distance))
@@ -214,7 +212,7 @@ class CableRoutingExpert:
 
     def _finish_phase(self, index: int, routed: bool) -> None:
         if PHASES[self._phase] == "sweep":
-            self._passed[index] = routed or self._intents[index] == "wrong"
+            self._passed[index] = routed or self._contacts[index] == "behind"
             self._begin(1)
         else:
             self._detoured = True

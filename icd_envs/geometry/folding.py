@@ -12,7 +12,6 @@ from typing import Final
 import numpy as np
 
 from icd_envs.api import BoolArray, FloatArray
-from icd_envs.scenes.boxes import Box
 
 COLUMNS: Final = 20
 ROWS: Final = 10
@@ -40,17 +39,23 @@ def fold_gap(points: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.norm(gap, axis=-1).mean(axis=(-2, -1)))
 
 
-def on_top(points: FloatArray, table: Box) -> BoolArray:
-    """Whether every point is within a box's footprint and close above its top.
+def on_top(points: FloatArray, table: FloatArray) -> BoolArray:
+    """Whether every point is within a table's footprint and close above its top.
 
     Args:
         points: (..., N, 3) [m] clouds, world frame.
-        table: an upright box.
+        table: (..., 6) position x, y [m], yaw [rad], half extents x, y [m], height [m].
 
     Returns:
         (...) booleans.
     """
-    local = (points - table.center) @ table.rotation
-    inside = np.all(np.abs(local[..., :2]) <= table.half[:2], axis=-1)
-    height = local[..., 2] - table.half[2]
+    x, y, yaw, half_x, half_y, top = np.moveaxis(table[..., None, :], -1, 0)
+    x, y, height = points[..., 0] - x, points[..., 1] - y, points[..., 2] - top
+    inside = np.abs(np.cos(yaw) * x + np.sin(yaw) * y) <= half_x
+    inside &= np.abs(np.cos(yaw) * y - np.sin(yaw) * x) <= half_y
     return np.asarray(np.all(inside & (height >= -SUNK) & (height <= LYING), axis=-1))
+
+
+def folded_on_top(points: FloatArray, table: FloatArray) -> BoolArray:
+    """Whether a notebook lies on a table, folded; arguments and result as of ``on_top``."""
+    return np.asarray((fold_gap(points) < FOLDED) & on_top(points, table))

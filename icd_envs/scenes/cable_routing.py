@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 
@@ -15,6 +15,11 @@ from icd_envs.scenes.clip import Clip, add_clip
 
 if TYPE_CHECKING:
     from dm_control import mjcf
+
+Contact = Literal["through", "behind", "free"]
+"""How the cable is to pass a clip: through its throat, along its back, or without touching it."""
+CONTACTS: Final[tuple[Contact, ...]] = ("through", "behind", "free")
+ROUTED: Final[tuple[Contact, ...]] = ("through",)
 
 ANCHOR: Final = (0.0, 0.0, 0.04)
 """[m] the fixed end, a few centimetres above the floor."""
@@ -43,6 +48,10 @@ NEXT_DISTANCE: Final = (0.26, 0.36)
 AXIS_JITTER: Final = (-0.3, 0.3)
 """[rad] of the throat's axis about the route."""
 
+PERTURBED_DISTANCE: Final = (0.08, 0.16)
+"""[m] by which every clip is moved in a perturbed scene."""
+PERTURBED_TURN: Final = (0.17, 0.7)
+"""[rad] by which it is turned, either way: 10 to 40 degrees."""
 
 GRASP_SOLREF: Final = (0.01, 1.0)
 GRASP_SOLIMP: Final = (0.99, 0.999, 0.001, 0.5, 2.0)
@@ -63,12 +72,14 @@ class CableRoutingScene:
     Attributes:
         clips: in the order of the route; their mouths open to alternating sides, so that the
             route is an S.
+        contacts: what the expert is to do at each clip.
         start_bearing: [rad] direction of the straight cable at the start.
         anchor: (3,) [m] fixed end of the cable.
         cable: mechanics.
     """
 
     clips: tuple[Clip, ...]
+    contacts: tuple[Contact, ...]
     start_bearing: float
     anchor: Float64Array
     cable: CableSpec = DEFAULT_CABLE
@@ -76,7 +87,7 @@ class CableRoutingScene:
     @property
     def clip_poses(self) -> Float64Array:
         """(F, 3) position x, y [m] and yaw [rad] of every clip."""
-        return np.array([[*clip.position, clip.yaw] for clip in self.clips])
+        return np.array([clip.pose for clip in self.clips])
 
     def boxes(self) -> list[Box]:
         """Every solid part of every fixture."""
@@ -115,7 +126,44 @@ def draw_scene(
         Clip((float(x), float(y)), float(axis + (np.pi / 2 if i % 2 == 0 else -np.pi / 2)))
         for i, ((x, y), axis) in enumerate(zip(places, axes, strict=True))
     )
-    return CableRoutingScene(clips, float(start_bearing), np.array(ANCHOR), cable)
+    return CableRoutingScene(
+        clips, ROUTED * num_fixtures, float(start_bearing), np.array(ANCHOR), cable
+    )
+
+
+def draw_contacts(rng: np.random.Generator, num_fixtures: int) -> tuple[Contact, ...]:
+    """How to pass each clip, at least one of them through its throat.
+
+    Without a clip to pass through, an untouched cable would meet the goal.
+    """
+    while True:
+        drawn = rng.integers(len(CONTACTS), size=num_fixtures)
+        contacts = tuple(CONTACTS[i] for i in drawn)
+        if "through" in contacts:
+            return contacts
+
+
+def perturb(scene: CableRoutingScene, rng: np.random.Generator) -> CableRoutingScene:
+    """Another scene of the same kind, in which every clip stands elsewhere and otherwise turned.
+
+    Scenes are drawn until one fits: 25 on average with two clips, 400 with four, a few tens of
+    microseconds each. So perturbed scenes are as solvable as any.
+
+    Args:
+        scene: what to perturb; contacts and cable are kept.
+        rng: source of every draw.
+    """
+    while True:
+        other = draw_scene(rng, len(scene.clips), scene.cable)
+        moved = other.clip_poses - scene.clip_poses
+        if _within(np.linalg.norm(moved[:, :2], axis=1), PERTURBED_DISTANCE) and _within(
+            np.abs(moved[:, 2]), PERTURBED_TURN
+        ):
+            return replace(other, contacts=scene.contacts)
+
+
+def _within(values: Float64Array, limits: tuple[float, float]) -> bool:
+    return bool(np.all((values >= limits[0]) & (values <= limits[1])))
 
 
 def _direction(angle: float) -> Float64Array:

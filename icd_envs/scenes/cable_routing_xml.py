@@ -14,7 +14,7 @@ from functools import lru_cache
 import numpy as np
 
 from icd_envs.scenes.cable import CableSpec
-from icd_envs.scenes.cable_routing import CableRoutingScene, build_scene
+from icd_envs.scenes.cable_routing import ROUTED, CableRoutingScene, build_scene
 from icd_envs.scenes.clip import Clip
 
 
@@ -29,7 +29,8 @@ def scene_xml(scene: CableRoutingScene) -> str:
 
 @lru_cache(maxsize=16)
 def _template(clips: int, anchor: tuple[float, float, float], cable: CableSpec) -> str:
-    scene = CableRoutingScene((Clip((0.0, 0.0), 0.0),) * clips, 0.0, np.array(anchor), cable)
+    places = (Clip((0.0, 0.0), 0.0),) * clips
+    scene = CableRoutingScene(places, ROUTED * clips, 0.0, np.array(anchor), cable)
     return str(build_scene(scene).to_xml_string())
 
 

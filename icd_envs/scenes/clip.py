@@ -9,7 +9,7 @@ floor closes the C from below: a lower jaw in front of the wall stops a sagging 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, TypeVar
 
 import numpy as np
 
@@ -26,6 +26,8 @@ WIDTH: Final = 0.036
 WALL_X: Final = -0.03
 WALL_THICKNESS: Final = 0.02
 WALL_HEIGHT: Final = 0.07
+WALL_BACK: Final = WALL_X - WALL_THICKNESS / 2
+"""[m] local x of the wall's back face."""
 LIP_LENGTH: Final = 0.095
 LIP_THICKNESS: Final = 0.012
 LIP_TILT: Final = np.deg2rad(17.0)
@@ -39,18 +41,17 @@ def _local_boxes() -> dict[str, Box]:
     upright = np.eye(3)
     tilt = rotation_y(-LIP_TILT)
     front = WALL_X + WALL_THICKNESS / 2
-    back = WALL_X - WALL_THICKNESS / 2
-    hinge = np.array([back, 0.0, WALL_HEIGHT])
+    hinge = np.array([WALL_BACK, 0.0, WALL_HEIGHT])
     lip = np.array([LIP_LENGTH, WIDTH, LIP_THICKNESS]) / 2
     return {
         "wall": Box(
             np.array([WALL_X, 0.0, WALL_HEIGHT / 2]),
-            np.array([front - back, WIDTH, WALL_HEIGHT]) / 2,
+            np.array([front - WALL_BACK, WIDTH, WALL_HEIGHT]) / 2,
             upright,
         ),
         "lip": Box(hinge + tilt @ np.array([lip[0], 0.0, lip[2]]), lip, tilt),
         "base": Box(
-            np.array([back - BASE_LENGTH / 2, 0.0, BASE_THICKNESS / 2]),
+            np.array([WALL_BACK - BASE_LENGTH / 2, 0.0, BASE_THICKNESS / 2]),
             np.array([BASE_LENGTH, WIDTH + 0.02, BASE_THICKNESS]) / 2,
             upright,
         ),
@@ -59,17 +60,18 @@ def _local_boxes() -> dict[str, Box]:
 
 LOCAL_BOXES: Final = _local_boxes()
 
+HeightT = TypeVar("HeightT", float, FloatArray)
+
 THROAT_X: Final = (
     WALL_X + WALL_THICKNESS / 2,
-    WALL_X - WALL_THICKNESS / 2 + LIP_LENGTH * float(np.cos(LIP_TILT)),
+    WALL_BACK + LIP_LENGTH * float(np.cos(LIP_TILT)),
 )
 """[m] the throat reaches from the wall's face to below the lip's end."""
 
 
-def throat_height(x: FloatArray) -> FloatArray:
+def throat_height(x: HeightT) -> HeightT:
     """Height [m] of the lip's underside above the floor at local ``x`` [m], any shape."""
-    hinge = WALL_X - WALL_THICKNESS / 2
-    return WALL_HEIGHT + (x - hinge) * float(np.tan(LIP_TILT))
+    return WALL_HEIGHT + (x - WALL_BACK) * float(np.tan(LIP_TILT))
 
 
 @dataclass(frozen=True)
@@ -83,6 +85,11 @@ class Clip:
 
     position: tuple[float, float]
     yaw: float
+
+    @property
+    def pose(self) -> Float64Array:
+        """(3,) position x, y [m] and yaw [rad]."""
+        return np.array([*self.position, self.yaw])
 
     @property
     def origin(self) -> Float64Array:

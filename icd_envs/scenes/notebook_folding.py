@@ -45,6 +45,12 @@ START_REACH: Final = 0.07
 LANE_HALF: Final = 0.115
 """[m] half width of that lane: the notebook with room to either side."""
 
+PERTURBED_DISTANCE: Final = (0.20, 0.32)
+"""[m] by which the table is moved in a perturbed scene."""
+PERTURBED_NEAR: Final = (0.10, 0.40)
+PERTURBED_Y: Final = (-0.35, 0.35)
+"""[m] as TABLE_NEAR and TABLE_Y, for a perturbed scene."""
+
 TABLE_RGBA: Final = (0.62, 0.64, 0.67, 1.0)
 OBSTACLE_RGBA: Final = (0.42, 0.45, 0.5, 1.0)
 FRICTION: Final = (0.7, 0.005, 0.0001)
@@ -105,14 +111,40 @@ class NotebookFoldingScene:
 
 def draw_scene(rng: np.random.Generator) -> NotebookFoldingScene:
     """A table in front of the notebook, a hurdle before it, one or two obstacles beside the way."""
+    return _furnish(_draw_table(rng, TABLE_NEAR, TABLE_Y), rng)
+
+
+def perturb(scene: NotebookFoldingScene, rng: np.random.Generator) -> NotebookFoldingScene:
+    """Another scene, in which the table stands elsewhere and nothing has the same size.
+
+    Tables are drawn until one fits, a few times on average.
+
+    Args:
+        scene: what to perturb.
+        rng: source of every draw.
+    """
+    while True:
+        table = _draw_table(rng, PERTURBED_NEAR, PERTURBED_Y)
+        moved = float(np.hypot(*np.subtract(table.position, scene.table.position)))
+        if PERTURBED_DISTANCE[0] <= moved <= PERTURBED_DISTANCE[1]:
+            return _furnish(table, rng)
+
+
+def _draw_table(
+    rng: np.random.Generator, near: tuple[float, float], y: tuple[float, float]
+) -> Table:
     half = rng.uniform(*TABLE_HALF)
-    x = rng.uniform(*TABLE_NEAR) + half[0]
-    table = Table(
-        (float(x), rng.uniform(*TABLE_Y)),
+    x = rng.uniform(*near) + half[0]
+    return Table(
+        (float(x), rng.uniform(*y)),
         rng.uniform(*TABLE_YAW),
         (float(half[0]), float(half[1])),
         rng.uniform(*TABLE_HEIGHT),
     )
+
+
+def _furnish(table: Table, rng: np.random.Generator) -> NotebookFoldingScene:
+    """Obstacles around a table."""
     lane = table.position[1] + rng.uniform(-1, 1) * max(0.0, table.half[1] - LANE_HALF)
     blocks = [_draw_block(rng, table, lane, side) for side in _draw_sides(rng)]
     return NotebookFoldingScene(table, (_draw_hurdle(rng, table, lane), *blocks))

@@ -4,27 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final, Generic, Literal, Protocol, TypeVar
+from typing import Any, Final, Generic, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
-from icd_envs.api import BoolArray, Float32Array, Float64Array, FloatArray, Oracle
-from icd_envs.errors import InvalidOptionError, InvalidSeedError, SceneGenerationError
+from icd_envs.api import BoolArray, Float32Array, Float64Array, FloatArray
 from icd_envs.physics.guard import BOUND
 from icd_envs.physics.plant import Plant
 from icd_envs.scenes.boxes import Box
 
-Split = Literal["train", "test"]
-SPLITS: Final[tuple[Split, ...]] = ("train", "test")
-
 HOLD_STEPS: Final = 10
 """Control steps for which success must hold before an episode ends."""
-MAX_ATTEMPTS: Final = 20
-"""Scenes drawn for one seed before giving up on finding one that the expert solves."""
-SEED_LIMIT: Final = 2**64
-"""Minari's collector draws seeds of 64 bits."""
 
 SceneT = TypeVar("SceneT")
+
+
+class Scenes(NamedTuple, Generic[SceneT]):
+    """Where an episode takes place, and where its goal was specified.
+
+    Attributes:
+        scene: the present one.
+        goal_scene: the same object, or in the adaptation tasks another scene.
+    """
+
+    scene: SceneT
+    goal_scene: SceneT
 
 
 class Expert(Protocol):
@@ -58,8 +62,8 @@ class Task(Protocol[SceneT]):
         """Keys of ``parameters``."""
         ...
 
-    def draw_scene(self, rng: np.random.Generator) -> SceneT:
-        """A random scene, not yet known to be solvable."""
+    def draw_scenes(self, rng: np.random.Generator) -> Scenes[SceneT]:
+        """Random scenes, not yet known to be solvable."""
         ...
 
     def make_plant(self, scene: SceneT) -> Plant:
@@ -171,88 +175,3 @@ def run_expert(
 def _gripper(plant: Plant) -> Float32Array:
     motion = np.concatenate([plant.gripper(), plant.gripper_velocity()])
     return np.asarray(np.clip(motion, -BOUND, BOUND), dtype=np.float32)
-
-
-@dataclass(frozen=True)
-class Problem(Generic[SceneT]):
-    """A scene with its start state and a way to solve it.
-
-    Attributes:
-        scene: what was drawn.
-        plant: compiled scene, in its start state.
-        oracle: how the expert solved it; the goal is its last cloud.
-    """
-
-    scene: SceneT
-    plant: Plant
-    oracle: Oracle
-
-
-def draw_problem(task: Task[SceneT], rng: np.random.Generator, seed: int) -> Problem[SceneT]:
-    """Draw scenes until the clean expert solves one.
-
-    Raises:
-        SceneGenerationError: if none of ``MAX_ATTEMPTS`` scenes was solved.
-    """
-    for _ in range(MAX_ATTEMPTS):
-        scene = task.draw_scene(rng)
-        plant = task.make_plant(scene)
-        start = plant.get_state()
-        demonstration = run_expert(task, scene, plant, task.make_expert(scene))
-        if demonstration.success:
-            plant.set_state(start)
-            oracle = Oracle(scene, demonstration.points, demonstration.actions)
-            return Problem(scene, plant, oracle)
-    raise SceneGenerationError(
-        f"{task.env_id}: the expert solved none of {MAX_ATTEMPTS} scenes drawn with seed {seed}: "
-        "use another seed"
-    )
-
-
-def scene_rng(split: Split, seed: int) -> np.random.Generator:
-    """Generator of everything random in an episode; splits never share a stream."""
-    return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(SPLITS.index(split),)))
-
-
-def sensor_rng(split: Split, seed: int, step: int) -> np.random.Generator:
-    """Generator of a sensor's noise at one step: it depends on nothing else that happened."""
-    key = (SPLITS.index(split), step)  # longer than a scene's key: never the same stream
-    return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=key))
-
-
-def check_seed(seed: object) -> int:
-    """A reset seed as an int.
-
-    Raises:
-        InvalidSeedError: if it is not an integer in [0, 2**64).
-    """
-    if isinstance(seed, bool) or not isinstance(seed, int | np.integer):
-        raise InvalidSeedError(
-            f"seed must be an integer in [0, {SEED_LIMIT}), got {seed!r} of type "
-            f"{type(seed).__name__}: pass e.g. seed=0"
-        )
-    if not 0 <= int(seed) < SEED_LIMIT:
-        raise InvalidSeedError(f"seed must be in [0, {SEED_LIMIT}), got {seed}: pass e.g. seed=0")
-    return int(seed)
-
-
-def check_integer(name: str, value: object, low: int, high: int) -> None:
-    """Refuse what is not an integer in [low, high].
-
-    Raises:
-        InvalidOptionError: naming option, value and range.
-    """
-    if type(value) is not int or not low <= value <= high:
-        raise InvalidOptionError(f"{name} must be an integer in [{low}, {high}], got {value!r}")
-
-
-def check_choice(name: str, value: object, choices: tuple[str, ...]) -> None:
-    """Refuse a value that is not one of ``choices``.
-
-    Raises:
-        InvalidOptionError: naming option, value and choices.
-    """
-    from icd_envs.errors import unknown_name
-
-    if value not in choices:
-        raise InvalidOptionError(unknown_name(f"value of {name!r}:", value, choices))

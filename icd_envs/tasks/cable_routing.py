@@ -3,22 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any, ClassVar, Final
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Final, Literal
 
 import numpy as np
 
 from icd_envs.api import BoolArray, Float32Array, Float64Array, FloatArray
 from icd_envs.experts.cable_routing import CableRoutingExpert, draw_style
-from icd_envs.geometry.routing import signed_crossings
+from icd_envs.geometry.routing import find_crossing, passes_behind, signed_crossings
+from icd_envs.geometry.sdf import BoxUnion
 from icd_envs.physics.plant import Plant, TrackedCloud
 from icd_envs.scenes.boxes import Box
 from icd_envs.scenes.cable import CABLES, CableKind
-from icd_envs.scenes.cable_routing import CableRoutingScene, cable_for, draw_scene
+from icd_envs.scenes.cable_routing import (
+    CableRoutingScene,
+    cable_for,
+    draw_contacts,
+    draw_scene,
+    perturb,
+)
 from icd_envs.scenes.cable_routing_xml import scene_xml
-from icd_envs.tasks.base import Split, check_choice, check_integer
+from icd_envs.tasks.base import Scenes
+from icd_envs.tasks.checks import check_choice, check_integer
 from icd_envs.tasks.env import ContactEnv, ObservationMode, RewardType
 from icd_envs.tasks.factory import EnvFactory
+from icd_envs.tasks.problem import Split
+
+Goals = Literal["routed", "contact"]
 
 CLOUD_POINTS: Final = 200
 SLACK: Final = 0.02
@@ -27,7 +38,8 @@ RISE: Final = 0.02
 """[m] by which it rises meanwhile."""
 SETTLE_STEPS: Final = (20, 5)
 """Control steps of that motion, and of rest after it."""
-
+UNTOUCHED: Final = 0.01
+"""[m] gap between a cable's surface and a clip that it leaves alone."""
 
 MOST_FIXTURES: Final = 4
 MAX_STEPS: Final = 300
@@ -42,6 +54,7 @@ class CableRouting:
     Attributes:
         num_fixtures: clips to route through, 1 to 4.
         cable: which kind; it is longer with 3 and 4 clips.
+        goals: through every clip, or drawn for each: through, behind or free.
 
     Raises:
         InvalidOptionError: on a value that an attribute cannot take.
@@ -53,20 +66,25 @@ class CableRouting:
 
     num_fixtures: int = 2
     cable: CableKind = "default"
+    goals: Goals = "routed"
 
     def __post_init__(self) -> None:
         """Refuse values that no scene can be drawn for."""
         check_integer("num_fixtures", self.num_fixtures, 1, MOST_FIXTURES)
         check_choice("cable", self.cable, tuple(CABLES))
+        check_choice("goals", self.goals, ("routed", "contact"))
 
     @property
     def max_steps(self) -> int:
         """Budget: 300 control steps for one or two clips, 200 more for each further one."""
         return MAX_STEPS + EXTRA_STEPS * max(0, self.num_fixtures - 2)
 
-    def draw_scene(self, rng: np.random.Generator) -> CableRoutingScene:
+    def draw_scenes(self, rng: np.random.Generator) -> Scenes[CableRoutingScene]:
         """Clips at random places; see ``icd_envs.scenes.cable_routing``."""
-        return draw_scene(rng, self.num_fixtures, cable_for(self.cable, self.num_fixtures))
+        scene = draw_scene(rng, self.num_fixtures, cable_for(self.cable, self.num_fixtures))
+        if self.goals == "contact":
+            scene = replace(scene, contacts=draw_contacts(rng, self.num_fixtures))
+        return Scenes(scene, scene)
 
     def make_plant(self, scene: CableRoutingScene) -> Plant:
         """Cable straight and almost taut, pointing away from the clips, held at the far end."""
@@ -96,7 +114,7 @@ class CableRouting:
         noisy: bool = False,
     ) -> CableRoutingExpert:
         """Clean, or with a style drawn from ``rng``."""
-        style = draw_style(rng, len(scene.clips)) if noisy and rng is not None else None
+        style = draw_style(rng, scene.contacts) if noisy and rng is not None else None
         return CableRoutingExpert(scene, self.action_scale, style, rng)
 
     def parameters(self, scene: CableRoutingScene) -> dict[str, Float64Array]:
@@ -104,8 +122,8 @@ class CableRouting:
         return {"clips": scene.clip_poses}
 
     def solved(self, points: Float32Array, scene: CableRoutingScene) -> BoolArray:
-        """(F,) which clips the cable is routed through."""
-        return signed_crossings(points, scene.clip_poses) != 0
+        """(F,) which clips the cable passes as the scene asks for."""
+        return np.array([_passes_as(points, scene, i) for i in range(len(scene.clips))])
 
     def matches(
         self, achieved: FloatArray, desired: FloatArray, info: Mapping[str, Any]
@@ -120,6 +138,31 @@ class CableRouting:
         length = cable_for(self.cable, self.num_fixtures).length
         cloud[:, 0] = np.linspace(0.0, length, CLOUD_POINTS)
         return cloud
+
+
+def _passes_as(points: Float32Array, scene: CableRoutingScene, i: int) -> bool:
+    clip = scene.clips[i]
+    through = find_crossing(points, clip) is not None
+    match scene.contacts[i]:
+        case "through":
+            return through
+        case "behind":
+            return not through and passes_behind(points, clip)
+        case "free":
+            gap = float(BoxUnion(clip.boxes())(points).min()) - scene.cable.radius
+            return gap > UNTOUCHED
+
+
+@dataclass(frozen=True)
+class CableRoutingAdaptation(CableRouting):
+    """The task behind ``ICDCableRoutingAdaptation-v0``: the goal is of another scene."""
+
+    env_id: ClassVar[str] = "ICDCableRoutingAdaptation-v0"
+
+    def draw_scenes(self, rng: np.random.Generator) -> Scenes[CableRoutingScene]:
+        """The goal's scene as in cable routing, and one in which every clip stands elsewhere."""
+        goal_scene = super().draw_scenes(rng).scene
+        return Scenes(perturb(goal_scene, rng), goal_scene)
 
 
 class CableRoutingEnv(ContactEnv[CableRoutingScene]):
@@ -145,11 +188,14 @@ class CableRoutingEnv(ContactEnv[CableRoutingScene]):
         v0: first.
     """
 
+    task_class: ClassVar[type[CableRouting]] = CableRouting
+
     def __init__(
         self,
         *,
         num_fixtures: int = 2,
         cable: CableKind = "default",
+        goals: Goals = "routed",
         split: Split = "train",
         reward_type: RewardType = "sparse",
         obs_mode: ObservationMode = "full",
@@ -163,6 +209,10 @@ class CableRoutingEnv(ContactEnv[CableRoutingScene]):
         Args:
             num_fixtures: clips to route through, 1 to 4.
             cable: ``default``, ``charging`` (soft, thin), ``ethernet`` (stiff) or ``rope`` (thick).
+            goals: ``routed``: through every clip. ``contact``: for every clip one of through,
+                behind (along its back) and free (untouched) is drawn, at least one of them
+                through; the goal is reached when the cable passes the throats that it passes in
+                the goal, and no other.
             split: which scenes to draw; train and test never share one.
             reward_type: ``sparse`` or ``dense``.
             obs_mode: ``full``, or ``partial``: what one camera sees of object and scene, with
@@ -176,9 +226,25 @@ class CableRoutingEnv(ContactEnv[CableRoutingScene]):
             InvalidOptionError: on a value that an option cannot take.
         """
         super().__init__(
-            CableRouting(num_fixtures, cable), split=split, reward_type=reward_type,
+            self.task_class(num_fixtures, cable, goals), split=split, reward_type=reward_type,
             obs_mode=obs_mode, render_mode=render_mode, width=width, height=height, camera=camera,
         )  # fmt: skip
 
 
+class CableRoutingAdaptationEnv(CableRoutingEnv):
+    """Cable routing with a goal that was specified in another scene (paper, adaptation test).
+
+    Goal and ``goal_scene`` belong together; in the present scene every clip is moved by 8 to 16 cm
+    and turned by 10 to 40 degrees. The goal is reached when the cable passes every clip as it does
+    there, wherever that is now. All else is as in ``ICDCableRouting-v0``; note that the dense
+    reward's distance is to a cloud in the wrong place.
+
+    Version history:
+        v0: first.
+    """
+
+    task_class = CableRoutingAdaptation
+
+
 make_cable_routing: Final = EnvFactory(CableRoutingEnv)
+make_cable_routing_adaptation: Final = EnvFactory(CableRoutingAdaptationEnv)

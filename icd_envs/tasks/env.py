@@ -24,7 +24,6 @@ from icd_envs.api import (
 from icd_envs.errors import (
     EpisodeStateError,
     IncompatibleStateError,
-    InvalidActionError,
     InvalidOptionError,
     unknown_name,
 )
@@ -35,21 +34,10 @@ from icd_envs.physics.simulator import RolloutSimulator
 from icd_envs.rendering import SceneRenderer
 from icd_envs.scenes.arena import MAX_HEIGHT, MAX_WIDTH, SUBSTEPS, TIMESTEP
 from icd_envs.scenes.gripper import gripper_spheres
-from icd_envs.tasks.base import (
-    HOLD_STEPS,
-    SPLITS,
-    Problem,
-    SceneT,
-    Split,
-    Task,
-    check_choice,
-    check_integer,
-    check_seed,
-    draw_problem,
-    scene_rng,
-    sensor_rng,
-)
+from icd_envs.tasks.base import HOLD_STEPS, SceneT, Task
+from icd_envs.tasks.checks import check_action, check_choice, check_integer, check_seed
 from icd_envs.tasks.partial import look, mask_spaces
+from icd_envs.tasks.problem import SPLITS, Problem, Split, draw_problem, scene_rng, sensor_rng
 
 RewardType = Literal["sparse", "dense"]
 ObservationMode = Literal["full", "partial"]
@@ -169,11 +157,15 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
         self._seed = seed
         self._signed_distance = BoxUnion(boxes)
         self._scene_cloud = sample_scene(boxes, SCENE_POINTS, FLOOR_POINTS, rng)
-        self._goal = problem.oracle.points[-1].copy()
-        parameters = self.task.parameters(problem.scene)
+        self._goal_cloud = problem.goal_oracle.points[-1].copy()
+        self._goal_scene_cloud = self._scene_cloud
+        if problem.goal_scene is not problem.scene:
+            goal_boxes = self.task.boxes(problem.goal_scene)
+            self._goal_scene_cloud = sample_scene(goal_boxes, SCENE_POINTS, FLOOR_POINTS, rng)
+        goal_parameters = self.task.parameters(problem.goal_scene)
         self._parameters = {
-            **parameters,
-            **{f"goal_{name}": value.copy() for name, value in parameters.items()},
+            **self.task.parameters(problem.scene),
+            **{f"goal_{name}": value for name, value in goal_parameters.items()},
         }
         self._steps = self._held = 0
         self._diverged = False
@@ -278,6 +270,7 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
             gripper_spheres=gripper_spheres(),
             simulator=handle,
             oracle=problem.oracle if oracle else None,
+            goal_oracle=problem.goal_oracle if oracle else None,
         )
 
     def snapshot(self) -> SimState:
@@ -321,7 +314,7 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
             self._renderer = SceneRenderer(plant.model, *self._view)
         if self.render_mode == "depth_array":
             return self._renderer.depth(plant.data)
-        return self._renderer.rgb(plant.data, self._goal, GOAL_RADIUS)
+        return self._renderer.rgb(plant.data, self._goal_cloud, GOAL_RADIUS)
 
     def close(self) -> None:
         """Free threads and GL; a second call does nothing."""
@@ -351,9 +344,9 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
         full: Observation = {
             "observation": np.clip(motion, -BOUND, BOUND).astype(np.float32),
             "achieved_goal": plant.points(),
-            "desired_goal": self._goal,
+            "desired_goal": self._goal_cloud,
             "scene": self._scene_cloud,
-            "goal_scene": self._scene_cloud,
+            "goal_scene": self._goal_scene_cloud,
         }
         self._shown: Observation | PartialObservation = full
         if self.obs_mode == "partial":
@@ -382,28 +375,3 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
             "buffer_overflows": plant.buffer_overflows(),
             **{name: value.copy() for name, value in self._parameters.items()},
         }
-
-
-def check_action(action: object) -> Float64Array:
-    """An action as 3 float64, not yet clipped.
-
-    Raises:
-        InvalidActionError: if it is not 3 finite numbers.
-    """
-    fix = "send 3 finite numbers in [-1, 1], e.g. env.action_space.sample()"
-    try:
-        array = np.asarray(action)
-        if array.dtype.kind not in "fiu":
-            raise InvalidActionError(f"action has dtype {array.dtype}, expected floats: {fix}")
-    except (TypeError, ValueError, RuntimeError) as error:
-        if isinstance(error, InvalidActionError):
-            raise
-        raise InvalidActionError(
-            f"action of type {type(action).__name__} does not convert to an array of shape (3,) "
-            f"({error}): {fix}"
-        ) from error
-    if array.shape != (3,):
-        raise InvalidActionError(f"action has shape {array.shape}, expected (3,): {fix}")
-    if not np.all(np.isfinite(array)):
-        raise InvalidActionError(f"action is {array.tolist()}, not finite: {fix}")
-    return array.astype(np.float64)

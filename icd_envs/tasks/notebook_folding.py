@@ -10,14 +10,20 @@ import numpy as np
 
 from icd_envs.api import BoolArray, Float32Array, Float64Array, FloatArray
 from icd_envs.experts.notebook_folding import NotebookFoldingExpert, draw_style
-from icd_envs.geometry.folding import COLUMNS, FOLDED, ROWS, fold_gap, on_top
+from icd_envs.geometry.folding import COLUMNS, ROWS, folded_on_top
 from icd_envs.physics.plant import Plant, TrackedCloud, TrackedSheet
 from icd_envs.scenes.boxes import Box
 from icd_envs.scenes.notebook import DEFAULT_NOTEBOOK, NotebookSpec
-from icd_envs.scenes.notebook_folding import NotebookFoldingScene, build_scene, draw_scene
-from icd_envs.tasks.base import Split
+from icd_envs.scenes.notebook_folding import (
+    NotebookFoldingScene,
+    build_scene,
+    draw_scene,
+    perturb,
+)
+from icd_envs.tasks.base import Scenes
 from icd_envs.tasks.env import ContactEnv, ObservationMode, RewardType
 from icd_envs.tasks.factory import EnvFactory
+from icd_envs.tasks.problem import Split
 
 GOAL_DISTANCE: Final = 0.05
 """[m] mean distance to the goal cloud below which the task is done; docs/tasks says why."""
@@ -46,9 +52,10 @@ class NotebookFolding:
     action_scale: ClassVar[float] = 0.03
     parameter_names: ClassVar[tuple[str, ...]] = ("table",)
 
-    def draw_scene(self, rng: np.random.Generator) -> NotebookFoldingScene:
+    def draw_scenes(self, rng: np.random.Generator) -> Scenes[NotebookFoldingScene]:
         """Table and obstacles at random; see ``icd_envs.scenes.notebook_folding``."""
-        return draw_scene(rng)
+        scene = draw_scene(rng)
+        return Scenes(scene, scene)
 
     def make_plant(self, scene: NotebookFoldingScene) -> Plant:
         """Notebook flat on the floor, held in the middle of one edge."""
@@ -80,8 +87,7 @@ class NotebookFolding:
 
     def solved(self, points: Float32Array, scene: NotebookFoldingScene) -> BoolArray:
         """(1,) whether the notebook lies on the table, folded."""
-        folded = fold_gap(points) < FOLDED
-        return np.array([bool(folded & on_top(points, scene.table.box()))])
+        return folded_on_top(points, scene.table.parameters)[None]
 
     def matches(
         self, achieved: FloatArray, desired: FloatArray, info: Mapping[str, Any]
@@ -95,6 +101,24 @@ class NotebookFolding:
         spec = DEFAULT_NOTEBOOK
         nodes = [[-x, side * spec.width / 2, 0.0] for x in spec.edges for side in (1, -1)]
         return track_sheet(spec)(np.array(nodes))
+
+
+class NotebookFoldingAdaptation(NotebookFolding):
+    """The task behind ``ICDNotebookFoldingAdaptation-v0``: the goal is of another scene."""
+
+    env_id: ClassVar[str] = "ICDNotebookFoldingAdaptation-v0"
+
+    def draw_scenes(self, rng: np.random.Generator) -> Scenes[NotebookFoldingScene]:
+        """The goal's scene as in notebook folding, and one in which the table stands elsewhere."""
+        goal_scene = super().draw_scenes(rng).scene
+        return Scenes(perturb(goal_scene, rng), goal_scene)
+
+    def matches(
+        self, achieved: FloatArray, desired: FloatArray, info: Mapping[str, Any]
+    ) -> BoolArray:
+        """(B, 1) whether both lie folded on the table, or neither, each in its own scene."""
+        done = folded_on_top(achieved, info["table"])
+        return np.asarray(done == folded_on_top(desired, info["goal_table"]))[:, None]
 
 
 class NotebookFoldingEnv(ContactEnv[NotebookFoldingScene]):
@@ -119,6 +143,8 @@ class NotebookFoldingEnv(ContactEnv[NotebookFoldingScene]):
     Version history:
         v0: first.
     """
+
+    task_class: ClassVar[type[NotebookFolding]] = NotebookFolding
 
     def __init__(
         self,
@@ -147,9 +173,25 @@ class NotebookFoldingEnv(ContactEnv[NotebookFoldingScene]):
             InvalidOptionError: on a value that an option cannot take.
         """
         super().__init__(
-            NotebookFolding(), split=split, reward_type=reward_type, obs_mode=obs_mode,
+            self.task_class(), split=split, reward_type=reward_type, obs_mode=obs_mode,
             render_mode=render_mode, width=width, height=height, camera=camera,
         )  # fmt: skip
 
 
+class NotebookFoldingAdaptationEnv(NotebookFoldingEnv):
+    """Notebook folding with a goal that was specified in another scene.
+
+    Goal and ``goal_scene`` belong together; in the present scene the table is moved by 20 to 32 cm,
+    all sizes and obstacles are others. The goal is reached when the notebook lies folded on the
+    table. All else is as in ``ICDNotebookFolding-v0``; note that the dense reward's distance is to
+    a cloud in the wrong place.
+
+    Version history:
+        v0: first.
+    """
+
+    task_class = NotebookFoldingAdaptation
+
+
 make_notebook_folding: Final = EnvFactory(NotebookFoldingEnv)
+make_notebook_folding_adaptation: Final = EnvFactory(NotebookFoldingAdaptationEnv)

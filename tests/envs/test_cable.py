@@ -39,7 +39,7 @@ def compile_cable(spec: CableSpec, yaw: float) -> mujoco.MjModel:
 @pytest.fixture(scope="module")
 def plant() -> Plant:
     task = CableRouting()
-    return task.make_plant(task.draw_scene(np.random.default_rng(0)))
+    return task.make_plant(task.draw_scenes(np.random.default_rng(0)).scene)
 
 
 @pytest.mark.parametrize("spec", SPECS)

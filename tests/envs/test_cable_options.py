@@ -77,7 +77,7 @@ def test_expert_solves_longer_routes_within_their_budget(count: int, kind: Cable
 def test_noisy_expert_and_random_actions_do_not_diverge(kind: CableKind) -> None:
     task = CableRouting(3, kind)
     assert not demonstrate_task(task, seed=1, noisy=True).diverged
-    plant = task.make_plant(task.draw_scene(np.random.default_rng(0)))
+    plant = task.make_plant(task.draw_scenes(np.random.default_rng(0)).scene)
     for action in random_actions(0, 100):
         plant.step(action)
     assert not plant.diverged()

@@ -8,8 +8,9 @@ from icd_envs.errors import InvalidOptionError
 from icd_envs.experts.cable_routing import CableRoutingExpert, Intent, Style, draw_style
 from icd_envs.geometry.routing import signed_crossings
 from icd_envs.scenes.cable_routing import CableRoutingScene
-from icd_envs.tasks.base import HOLD_STEPS, Demonstration, draw_problem, run_expert, scene_rng
+from icd_envs.tasks.base import HOLD_STEPS, Demonstration, run_expert
 from icd_envs.tasks.cable_routing import CableRouting
+from icd_envs.tasks.problem import draw_problem, scene_rng
 from tests.envs.making import CABLE
 
 TASK = CableRouting()

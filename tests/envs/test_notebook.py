@@ -14,8 +14,9 @@ from icd_envs.geometry.sdf import BoxUnion
 from icd_envs.physics.plant import Plant, TrackedCloud, TrackedSheet
 from icd_envs.scenes.notebook import DEFAULT_NOTEBOOK, NotebookSpec
 from icd_envs.scenes.notebook_folding import NotebookFoldingScene, build_scene
-from icd_envs.tasks.base import HOLD_STEPS, Demonstration, draw_problem, run_expert, scene_rng
+from icd_envs.tasks.base import HOLD_STEPS, Demonstration, run_expert
 from icd_envs.tasks.notebook_folding import GOAL_DISTANCE, NotebookFolding
+from icd_envs.tasks.problem import draw_problem, scene_rng
 from tests.envs.making import make, random_actions
 
 NOTEBOOK = "ICDNotebookFolding-v0"
@@ -67,7 +68,7 @@ def distance(points: np.ndarray, goal: np.ndarray) -> float:
 
 @pytest.fixture(scope="module")
 def plant() -> Plant:
-    return TASK.make_plant(TASK.draw_scene(np.random.default_rng(0)))
+    return TASK.make_plant(TASK.draw_scenes(np.random.default_rng(0)).scene)
 
 
 @pytest.fixture(scope="module")
@@ -83,7 +84,7 @@ def clean(scenes: list[NotebookFoldingScene]) -> list[Demonstration]:
 
 @pytest.mark.parametrize("spec", SPECS)
 def test_mass_and_length_are_spread_over_the_strips(spec: NotebookSpec) -> None:
-    scene = replace(TASK.draw_scene(np.random.default_rng(0)), notebook=spec)
+    scene = replace(TASK.draw_scenes(np.random.default_rng(0)).scene, notebook=spec)
     model = mujoco.MjModel.from_xml_string(build_scene(scene).to_xml_string())
     masses = [model.body(f"strip_{i}").mass[0] for i in range(len(spec.strips))]
     assert sum(masses) == pytest.approx(spec.mass)
@@ -210,7 +211,7 @@ def test_scenes_leave_the_notebook_room_to_rise() -> None:
     column = np.stack(np.meshgrid(x, y, np.linspace(0.01, 0.7, 30)), -1).reshape(-1, 3)
     counts = set()
     for _ in range(100):
-        scene = TASK.draw_scene(rng)
+        scene = TASK.draw_scenes(rng).scene
         counts.add(len(scene.obstacles))
         assert BoxUnion(scene.boxes())(column).min() > 0.005
     assert counts == {2, 3}

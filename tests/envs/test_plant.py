@@ -17,7 +17,7 @@ TASK = CableRouting()
 
 @pytest.fixture(scope="module")
 def scene() -> CableRoutingScene:
-    return TASK.draw_scene(np.random.default_rng(3))
+    return TASK.draw_scenes(np.random.default_rng(3)).scene
 
 
 @pytest.fixture(scope="module")
@@ -83,7 +83,7 @@ def test_gripper_travels_the_action_scale_per_step(plant: Plant) -> None:
 
 
 def test_same_scene_has_the_same_id_and_another_scene_another(scene: CableRoutingScene) -> None:
-    other = TASK.draw_scene(np.random.default_rng(4))
+    other = TASK.draw_scenes(np.random.default_rng(4)).scene
     cloud = TrackedCloud(np.array([0]), np.array([[0.0]]))
     ids = [Plant(build_scene(s).to_xml_string(), cloud, 0.03).scene_id for s in (scene, other)]
     assert ids[0] == TASK.make_plant(scene).scene_id
