@@ -1,20 +1,30 @@
-"""Episodes of the scripted expert on raw scenes, none rejected, as rows."""
+"""Rows of the scripted expert, or of no agent at all: what gates need besides agents."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import partial
 from time import perf_counter
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from benchmarks.plan import Job
 from benchmarks.rows import Row, error_row
 from benchmarks.runner import Work
 
 
+class Outcome(NamedTuple):
+    """How an episode ended."""
+
+    success: bool
+    complete: float
+    steps: int
+    diverged: bool
+
+
 @dataclass(frozen=True)
 class ExpertRuns:
-    """Episodes of the scripted expert.
+    """The scripted expert on raw scenes, none rejected.
 
     Attributes:
         agent: name in rows and folders.
@@ -30,36 +40,99 @@ class ExpertRuns:
 
     def work(self, workers: int) -> Work:
         """What does one of its jobs."""
-        return partial(run_expert, split=self.split, noisy=self.noisy)
+        return partial(run_row, play=partial(_demonstrate, split=self.split, noisy=self.noisy))
 
 
-def run_expert(job: Job, split: Literal["train", "test"], noisy: bool) -> Row:
-    """Run the expert once; an exception becomes a row of status "error"."""
+@dataclass(frozen=True)
+class CopiedGoals:
+    """The goal's object cloud put into the present scene as it is, wherever it was specified.
+
+    Attributes:
+        agent: name in rows and folders.
+        episodes: how many.
+    """
+
+    agent: str
+    episodes: int
+
+    def work(self, workers: int) -> Work:
+        """What does one of its jobs."""
+        return partial(run_row, play=_copy_goal)
+
+
+@dataclass(frozen=True)
+class RoutesAll:
+    """An expert that passes every clip's throat, whatever a contact goal asks for.
+
+    Attributes:
+        agent: name in rows and folders.
+        episodes: how many.
+    """
+
+    agent: str
+    episodes: int
+
+    def work(self, workers: int) -> Work:
+        """What does one of its jobs."""
+        return partial(run_row, play=_route_all)
+
+
+def run_row(job: Job, play: Callable[[Job], Outcome]) -> Row:
+    """Play once; an exception becomes a row of status "error"."""
     start = perf_counter()
     try:
-        from icd_envs.demonstrations import demonstrate
-
-        shown = demonstrate(job.env, seed=job.seed, split=split, noisy=noisy)
-        return Row(
-            agent=job.agent,
-            env=job.env,
-            index=job.index,
-            seed=job.seed,
-            status="ok",
-            success=bool(shown.success),
-            complete=float(shown.complete_rate),
-            steps=int(shown.steps),
-            return_=0.0,
-            diverged=bool(shown.diverged),
-            message="",
-            seconds=perf_counter() - start,
-            act_seconds=0.0,
-            privileged=True,
-        )
+        outcome = play(job)
     except Exception as error:
         return error_row(
             job,
-            f"expert: {type(error).__name__}: {error}",
+            f"{job.agent}: {type(error).__name__}: {error}",
             seconds=perf_counter() - start,
             privileged=True,
         )
+    return Row(
+        agent=job.agent,
+        env=job.env,
+        index=job.index,
+        seed=job.seed,
+        status="ok",
+        success=outcome.success,
+        complete=outcome.complete,
+        steps=outcome.steps,
+        return_=0.0,
+        diverged=outcome.diverged,
+        message="",
+        seconds=perf_counter() - start,
+        act_seconds=0.0,
+        privileged=True,
+    )
+
+
+def _demonstrate(job: Job, split: Literal["train", "test"], noisy: bool) -> Outcome:
+    from icd_envs.demonstrations import demonstrate
+
+    shown = demonstrate(job.env, seed=job.seed, split=split, noisy=noisy)
+    return Outcome(shown.success, shown.complete_rate, shown.steps, shown.diverged)
+
+
+def _copy_goal(job: Job) -> Outcome:
+    from icd_envs.demonstrations import find_task
+    from icd_envs.tasks.problem import draw_problem, matched_parts, scene_rng
+
+    task = find_task(job.env)
+    problem = draw_problem(task, scene_rng("test", job.seed), job.seed)
+    matched = matched_parts(task, problem, problem.goal)
+    return Outcome(bool(matched.all()), float(matched.mean()), 0, False)
+
+
+def _route_all(job: Job) -> Outcome:
+    from icd_envs.demonstrations import find_task
+    from icd_envs.scenes.cable_routing import ROUTED
+    from icd_envs.tasks.base import run_expert
+    from icd_envs.tasks.problem import draw_problem, matched_parts, scene_rng
+
+    task = replace(find_task(job.env), goals="contact")  # type: ignore[type-var]
+    problem = draw_problem(task, scene_rng("test", job.seed), job.seed)
+    routed = replace(problem.scene, contacts=ROUTED * len(problem.scene.clips))
+    shown = run_expert(task, routed, problem.plant, task.make_expert(routed))
+    matched = matched_parts(task, problem, shown.points[-1])
+    return Outcome(bool(matched.all()), float(matched.mean()), shown.steps, shown.diverged)

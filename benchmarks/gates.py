@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from benchmarks.expert_runs import ExpertRuns
+from benchmarks.expert_runs import CopiedGoals, ExpertRuns, RoutesAll
 from benchmarks.plan import Plan
 from benchmarks.registry import agent_factory, check_env_id
 from benchmarks.rows import Row
@@ -48,7 +48,7 @@ class Gate:
     """
 
     name: str
-    source: AgentRuns | ExpertRuns
+    source: AgentRuns | ExpertRuns | CopiedGoals | RoutesAll
     quantity: Literal["success", "complete", "divergences"]
     direction: Literal[">=", "<=", "==", "in"]
     bound: Bound
@@ -76,58 +76,52 @@ class Verdict:
         return {"value": self.value, "bound": bound, "n": self.n, "ok": self.ok}
 
 
+_EXPERT = ExpertRuns("expert-clean", split="test", noisy=False, episodes=200)
 _PC_MPPI = AgentRuns("pc-mppi", episodes=20)
+_COMMON = (
+    Gate(
+        "oracle_points_success",
+        AgentRuns("ladder:oracle-points", episodes=20),
+        "success",
+        ">=",
+        0.95,
+    ),
+    Gate(
+        "noisy_divergences",
+        ExpertRuns("expert-noisy", split="train", noisy=True, episodes=1000),
+        "divergences",
+        "==",
+        0,
+    ),
+)
+_CONTACT = (Gate("contact_routes_all", RoutesAll("expert-routes-all", 200), "success", "<=", 0.40),)
+_ADAPTATION = (
+    Gate("expert_success", _EXPERT, "success", ">=", 0.85),
+    Gate("copied_goal_success", CopiedGoals("goal-copied", 200), "success", "<=", 0.50),
+    Gate(
+        "transferred_points_success",
+        AgentRuns("ladder:transferred-points", episodes=20),
+        "success",
+        "<=",
+        0.40,
+    ),
+)
 
 GATES: dict[str, tuple[Gate, ...]] = {
     "ICDCableRouting-v0": (
-        Gate(
-            "expert_success",
-            ExpertRuns("expert-clean", split="test", noisy=False, episodes=200),
-            "success",
-            ">=",
-            0.85,
-        ),
+        Gate("expert_success", _EXPERT, "success", ">=", 0.85),
         Gate("pc_mppi_success", _PC_MPPI, "success", "<=", 0.60),
         Gate("pc_mppi_complete", _PC_MPPI, "complete", "in", (0.30, 0.75)),
-        Gate(
-            "oracle_points_success",
-            AgentRuns("ladder:oracle-points", episodes=20),
-            "success",
-            ">=",
-            0.95,
-        ),
-        Gate(
-            "noisy_divergences",
-            ExpertRuns("expert-noisy", split="train", noisy=True, episodes=1000),
-            "divergences",
-            "==",
-            0,
-        ),
+        *_COMMON,
+        *_CONTACT,
     ),
     "ICDNotebookFolding-v0": (
-        Gate(
-            "expert_success",
-            ExpertRuns("expert-clean", split="test", noisy=False, episodes=200),
-            "success",
-            ">=",
-            0.90,
-        ),
+        Gate("expert_success", _EXPERT, "success", ">=", 0.90),
         Gate("pc_mppi_success", _PC_MPPI, "success", "in", (0.25, 0.75)),
-        Gate(
-            "oracle_points_success",
-            AgentRuns("ladder:oracle-points", episodes=20),
-            "success",
-            ">=",
-            0.95,
-        ),
-        Gate(
-            "noisy_divergences",
-            ExpertRuns("expert-noisy", split="train", noisy=True, episodes=1000),
-            "divergences",
-            "==",
-            0,
-        ),
+        *_COMMON,
     ),
+    "ICDCableRoutingAdaptation-v0": (*_ADAPTATION, *_COMMON, *_CONTACT),
+    "ICDNotebookFoldingAdaptation-v0": (*_ADAPTATION, *_COMMON),
 }
 
 

@@ -39,6 +39,20 @@ def fold_gap(points: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.norm(gap, axis=-1).mean(axis=(-2, -1)))
 
 
+def cover_gap(points: FloatArray) -> FloatArray:
+    """Distance [m] between the middles of the two covers, never more than ``fold_gap``.
+
+    Args:
+        points: (..., n, 3) [m] clouds in material order, or any even selection of their points.
+
+    Returns:
+        (...) [m].
+    """
+    half = points.shape[-2] // 2
+    gap = points[..., :half, :].mean(axis=-2) - points[..., -half:, :].mean(axis=-2)
+    return np.asarray(np.linalg.norm(gap, axis=-1))
+
+
 def on_top(points: FloatArray, table: FloatArray) -> BoolArray:
     """Whether every point is within a table's footprint and close above its top.
 
@@ -54,8 +68,3 @@ def on_top(points: FloatArray, table: FloatArray) -> BoolArray:
     inside = np.abs(np.cos(yaw) * x + np.sin(yaw) * y) <= half_x
     inside &= np.abs(np.cos(yaw) * y - np.sin(yaw) * x) <= half_y
     return np.asarray(np.all(inside & (height >= -SUNK) & (height <= LYING), axis=-1))
-
-
-def folded_on_top(points: FloatArray, table: FloatArray) -> BoolArray:
-    """Whether a notebook lies on a table, folded; arguments and result as of ``on_top``."""
-    return np.asarray((fold_gap(points) < FOLDED) & on_top(points, table))

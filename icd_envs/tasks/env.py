@@ -37,7 +37,15 @@ from icd_envs.scenes.gripper import gripper_spheres
 from icd_envs.tasks.base import HOLD_STEPS, SceneT, Task
 from icd_envs.tasks.checks import check_action, check_choice, check_integer, check_seed
 from icd_envs.tasks.partial import look, mask_spaces
-from icd_envs.tasks.problem import SPLITS, Problem, Split, draw_problem, scene_rng, sensor_rng
+from icd_envs.tasks.problem import (
+    SPLITS,
+    Problem,
+    Split,
+    draw_problem,
+    matched_parts,
+    scene_rng,
+    sensor_rng,
+)
 
 RewardType = Literal["sparse", "dense"]
 ObservationMode = Literal["full", "partial"]
@@ -157,16 +165,10 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
         self._seed = seed
         self._signed_distance = BoxUnion(boxes)
         self._scene_cloud = sample_scene(boxes, SCENE_POINTS, FLOOR_POINTS, rng)
-        self._goal_cloud = problem.goal_oracle.points[-1].copy()
         self._goal_scene_cloud = self._scene_cloud
         if problem.goal_scene is not problem.scene:
             goal_boxes = self.task.boxes(problem.goal_scene)
             self._goal_scene_cloud = sample_scene(goal_boxes, SCENE_POINTS, FLOOR_POINTS, rng)
-        goal_parameters = self.task.parameters(problem.goal_scene)
-        self._parameters = {
-            **self.task.parameters(problem.scene),
-            **{f"goal_{name}": value for name, value in goal_parameters.items()},
-        }
         self._steps = self._held = 0
         self._diverged = False
         self._observation = self._observe(problem)
@@ -306,15 +308,15 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
             RenderingUnavailableError: if OpenGL does not start.
             EpisodeStateError: before ``reset`` or after ``close``.
         """
-        plant = self._require_problem("render").plant
+        problem = self._require_problem("render")
         if self.render_mode is None:
             gym.logger.warn("render() without a render_mode: pass render_mode='rgb_array' to make")
             return None
         if self._renderer is None:
-            self._renderer = SceneRenderer(plant.model, *self._view)
+            self._renderer = SceneRenderer(problem.plant.model, *self._view)
         if self.render_mode == "depth_array":
-            return self._renderer.depth(plant.data)
-        return self._renderer.rgb(plant.data, self._goal_cloud, GOAL_RADIUS)
+            return self._renderer.depth(problem.plant.data)
+        return self._renderer.rgb(problem.plant.data, problem.goal, GOAL_RADIUS)
 
     def close(self) -> None:
         """Free threads and GL; a second call does nothing."""
@@ -344,7 +346,7 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
         full: Observation = {
             "observation": np.clip(motion, -BOUND, BOUND).astype(np.float32),
             "achieved_goal": plant.points(),
-            "desired_goal": self._goal_cloud,
+            "desired_goal": problem.goal,
             "scene": self._scene_cloud,
             "goal_scene": self._goal_scene_cloud,
         }
@@ -359,19 +361,16 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
 
     def _match(self) -> BoolArray:
         """(F,) parts of the goal that are reached now."""
-        observation = self._observation
-        parameters = {name: value[None] for name, value in self._parameters.items()}
-        return self.task.matches(
-            observation["achieved_goal"][None], observation["desired_goal"][None], parameters
-        )[0]
+        problem = self._require_problem("match")
+        return matched_parts(self.task, problem, self._observation["achieved_goal"])
 
     def _info(self, matched: BoolArray, *, action_clipped: bool) -> Info:
-        plant = self._require_problem("info").plant
+        problem = self._require_problem("info")
         return {
             "is_success": bool(matched.all()) and not self._diverged,
             "complete_rate": 0.0 if self._diverged else float(matched.mean()),
             "diverged": self._diverged,
             "action_clipped": action_clipped,
-            "buffer_overflows": plant.buffer_overflows(),
-            **{name: value.copy() for name, value in self._parameters.items()},
+            "buffer_overflows": problem.plant.buffer_overflows(),
+            **{name: value.copy() for name, value in problem.parameters.items()},
         }

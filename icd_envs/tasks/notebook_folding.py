@@ -10,7 +10,7 @@ import numpy as np
 
 from icd_envs.api import BoolArray, Float32Array, Float64Array, FloatArray
 from icd_envs.experts.notebook_folding import NotebookFoldingExpert, draw_style
-from icd_envs.geometry.folding import COLUMNS, ROWS, folded_on_top
+from icd_envs.geometry.folding import COLUMNS, FOLDED, ROWS, cover_gap, fold_gap, on_top
 from icd_envs.physics.plant import Plant, TrackedCloud, TrackedSheet
 from icd_envs.scenes.boxes import Box
 from icd_envs.scenes.notebook import DEFAULT_NOTEBOOK, NotebookSpec
@@ -87,7 +87,7 @@ class NotebookFolding:
 
     def solved(self, points: Float32Array, scene: NotebookFoldingScene) -> BoolArray:
         """(1,) whether the notebook lies on the table, folded."""
-        return folded_on_top(points, scene.table.parameters)[None]
+        return np.array([fold_gap(points) < FOLDED and on_top(points, scene.table.parameters)])
 
     def matches(
         self, achieved: FloatArray, desired: FloatArray, info: Mapping[str, Any]
@@ -117,8 +117,9 @@ class NotebookFoldingAdaptation(NotebookFolding):
         self, achieved: FloatArray, desired: FloatArray, info: Mapping[str, Any]
     ) -> BoolArray:
         """(B, 1) whether both lie folded on the table, or neither, each in its own scene."""
-        done = folded_on_top(achieved, info["table"])
-        return np.asarray(done == folded_on_top(desired, info["goal_table"]))[:, None]
+        here = (cover_gap(achieved) < FOLDED) & on_top(achieved, info["table"])
+        there = (cover_gap(desired) < FOLDED) & on_top(desired, info["goal_table"])
+        return np.asarray(here == there)[:, None]
 
 
 class NotebookFoldingEnv(ContactEnv[NotebookFoldingScene]):

@@ -7,7 +7,7 @@ from typing import Final, Generic, Literal
 
 import numpy as np
 
-from icd_envs.api import Oracle
+from icd_envs.api import BoolArray, Float32Array, Float64Array, Oracle
 from icd_envs.errors import SceneGenerationError
 from icd_envs.physics.plant import Plant
 from icd_envs.tasks.base import SceneT, Task, run_expert
@@ -29,6 +29,7 @@ class Problem(Generic[SceneT]):
         oracle: how the expert solved it.
         goal_scene: where the goal was specified.
         goal_oracle: how the expert solved that one; the goal is its last cloud.
+        parameters: of the task in the present scene, and with the prefix ``goal_`` in the goal's.
     """
 
     scene: SceneT
@@ -36,6 +37,18 @@ class Problem(Generic[SceneT]):
     oracle: Oracle
     goal_scene: SceneT
     goal_oracle: Oracle
+    parameters: dict[str, Float64Array]
+
+    @property
+    def goal(self) -> Float32Array:
+        """(N, 3) [m] object cloud to reach."""
+        return self.goal_oracle.points[-1]
+
+
+def matched_parts(task: Task[SceneT], problem: Problem[SceneT], points: Float32Array) -> BoolArray:
+    """(F,) parts of the problem's goal that an object cloud (N, 3) [m] reaches."""
+    parameters = {name: value[None] for name, value in problem.parameters.items()}
+    return task.matches(points[None], problem.goal[None], parameters)[0]
 
 
 def draw_problem(task: Task[SceneT], rng: np.random.Generator, seed: int) -> Problem[SceneT]:
@@ -54,7 +67,12 @@ def draw_problem(task: Task[SceneT], rng: np.random.Generator, seed: int) -> Pro
         if goal_scene is not scene:
             goal_oracle = _solve(task, goal_scene, task.make_plant(goal_scene))
         if goal_oracle is not None:
-            return Problem(scene, plant, oracle, goal_scene, goal_oracle)
+            goal_parameters = task.parameters(goal_scene)
+            parameters = {
+                **task.parameters(scene),
+                **{f"goal_{name}": value for name, value in goal_parameters.items()},
+            }
+            return Problem(scene, plant, oracle, goal_scene, goal_oracle, parameters)
     raise SceneGenerationError(
         f"{task.env_id}: the expert solved none of {MAX_ATTEMPTS} scenes drawn with seed {seed}: "
         "use another seed"

@@ -10,6 +10,7 @@ from benchmarks.expert_runs import ExpertRuns
 from benchmarks.gates import GATES, AgentRuns, Gate, gates_of, judge, run_gates
 from benchmarks.progress import watching
 from benchmarks.results import ROWS_NAME, read_rows
+from icd_envs import ENV_IDS
 from icd_envs.errors import InvalidOptionError
 from tests.bench import toy
 from tests.bench.making import make_row
@@ -21,22 +22,45 @@ def gate(direction: str, bound: object, quantity: str = "success", n: int = 4) -
     return Gate("g", AgentRuns("a", n), quantity, direction, bound)
 
 
-def test_cable_routing_has_the_gates_of_the_task_description() -> None:
-    described = {
-        g.name: (g.quantity, g.direction, g.bound, g.source.episodes) for g in gates_of(CABLE)
-    }
-    assert described == {
+COMMON = {
+    "oracle_points_success": ("success", ">=", 0.95, 20),
+    "noisy_divergences": ("divergences", "==", 0, 1000),
+}
+ADAPTATION = {
+    "expert_success": ("success", ">=", 0.85, 200),
+    "copied_goal_success": ("success", "<=", 0.50, 200),
+    "transferred_points_success": ("success", "<=", 0.40, 20),
+}
+CONTACT = {"contact_routes_all": ("success", "<=", 0.40, 200)}
+DESCRIBED = {
+    CABLE: {
         "expert_success": ("success", ">=", 0.85, 200),
         "pc_mppi_success": ("success", "<=", 0.60, 20),
         "pc_mppi_complete": ("complete", "in", (0.30, 0.75), 20),
-        "oracle_points_success": ("success", ">=", 0.95, 20),
-        "noisy_divergences": ("divergences", "==", 0, 1000),
+        **COMMON,
+        **CONTACT,
+    },
+    "ICDNotebookFolding-v0": {
+        "expert_success": ("success", ">=", 0.90, 200),
+        "pc_mppi_success": ("success", "in", (0.25, 0.75), 20),
+        **COMMON,
+    },
+    "ICDCableRoutingAdaptation-v0": {**ADAPTATION, **COMMON, **CONTACT},
+    "ICDNotebookFoldingAdaptation-v0": {**ADAPTATION, **COMMON},
+}
+
+
+@pytest.mark.parametrize("env_id", ENV_IDS)
+def test_every_task_has_the_gates_of_its_description(env_id: str) -> None:
+    found = {
+        g.name: (g.quantity, g.direction, g.bound, g.source.episodes) for g in gates_of(env_id)
     }
+    assert found == DESCRIBED[env_id]
 
 
 def test_gate_rows_do_not_mix_experts() -> None:
     sources = {g.source.agent for gates in GATES.values() for g in gates}
-    assert sources == {"expert-clean", "expert-noisy", "pc-mppi", "ladder:oracle-points"}
+    assert len(sources) == len({g.source for gates in GATES.values() for g in gates})
 
 
 @pytest.mark.parametrize(
@@ -112,7 +136,7 @@ def test_gates_run_agents_and_experts_once_and_resume(
     assert len(asked) == 5
     assert [
         row.message for row in read_rows(tmp_path / "rows" / "expert-noisy") if row.message
-    ] == ["expert: RuntimeError: expert stumbled"]
+    ] == ["expert-noisy: RuntimeError: expert stumbled"]
     assert len(list(tmp_path.glob(f"rows/*/{ROWS_NAME}"))) == 2
 
 

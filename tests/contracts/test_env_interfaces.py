@@ -70,10 +70,28 @@ def test_experts_actions_solve_the_episode_as_the_oracle_says(env: ContactEnv[An
         np.testing.assert_array_equal(observation["achieved_goal"], points)
     assert (reward, terminated, info["is_success"]) == (0.0, True, True)
     assert info["complete_rate"] == 1.0
-    np.testing.assert_array_equal(observation["achieved_goal"], observation["desired_goal"])
+    np.testing.assert_array_equal(observation["achieved_goal"], oracle.points[-1])
     # Stepping on is allowed: the episode simply goes on.
     assert wrapped.observation_space.contains(wrapped.step(np.zeros(3, np.float32))[0])
     wrapped.close()
+
+
+def test_goal_is_the_experts_last_cloud_in_the_scene_it_was_specified_in(
+    env: ContactEnv[Any],
+) -> None:
+    observation, info = env.reset(seed=9)
+    episode = env.episode(oracle=True)
+    assert episode.oracle is not None
+    assert episode.goal_oracle is not None
+    np.testing.assert_array_equal(observation["desired_goal"], episode.goal_oracle.points[-1])
+    elsewhere = "Adaptation" in env.task.env_id
+    assert (episode.goal_oracle is not episode.oracle) == elsewhere
+    for name in env.task.parameter_names:
+        assert np.array_equal(info[name], info[f"goal_{name}"]) != elsewhere
+    if env.obs_mode == "full":
+        assert np.array_equal(observation["scene"], observation["goal_scene"]) != elsewhere
+    assert env.episode().oracle is None
+    assert env.episode().goal_oracle is None
 
 
 def test_episode_is_truncated_at_its_budget(env: ContactEnv[Any]) -> None:

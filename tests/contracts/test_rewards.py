@@ -27,7 +27,12 @@ def env(request: pytest.FixtureRequest) -> Iterator[ContactEnv[Any]]:
 
 @pytest.fixture(scope="module")
 def batch(env: ContactEnv[Any]) -> Batch:
-    """Transitions of two scenes, by the expert and at random, half of them relabelled."""
+    """Transitions of two scenes, by the expert and at random, most of them relabelled.
+
+    A goal is the episode's own, a later state of it, or that of an episode in a third scene.
+    """
+    other, other_info = env.reset(seed=2)
+    elsewhere = {name: value for name, value in other_info.items() if name.startswith("goal_")}
     achieved, desired, infos = [], [], []
     for seed in (0, 1):
         env.reset(seed=seed)
@@ -42,9 +47,16 @@ def batch(env: ContactEnv[Any]) -> Batch:
         for i in range(0, len(steps), 4):
             observation, info = steps[i]
             later = steps[min(i + 10, len(steps) - 1)][0]["achieved_goal"]
+            # A state's goal is specified where the state was reached.
+            here = {f"goal_{name}": info[name] for name in env.task.parameter_names}
+            goal, where = [
+                (observation["desired_goal"], {}),
+                (later, here),
+                (other["desired_goal"], elsewhere),
+            ][i // 4 % 3]
             achieved.append(observation["achieved_goal"])
-            desired.append(later if i % 8 else observation["desired_goal"])
-            infos.append(info)
+            desired.append(goal)
+            infos.append({**info, **where})
     return np.stack(achieved), np.stack(desired), infos
 
 
@@ -77,7 +89,8 @@ def test_rewards_have_their_range_and_both_ends_occur(env: ContactEnv[Any], batc
 
 def test_what_is_achieved_is_the_best_goal(env: ContactEnv[Any], batch: Batch) -> None:
     achieved, _, infos = batch
-    np.testing.assert_array_equal(env.compute_reward(achieved, achieved, infos), 0.0)
+    here = [{**i, **{f"goal_{n}": i[n] for n in env.task.parameter_names}} for i in infos]
+    np.testing.assert_array_equal(env.compute_reward(achieved, achieved, here), 0.0)
 
 
 def test_reward_needs_nothing_but_its_arguments(env: ContactEnv[Any], batch: Batch) -> None:

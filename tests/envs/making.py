@@ -16,7 +16,8 @@ from icd_envs.tasks.env import ContactEnv
 CABLE = "ICDCableRouting-v0"
 
 VARIANTS: list[tuple[str, dict[str, Any]]] = [(env_id, {}) for env_id in ENV_IDS] + [
-    (CABLE, {"num_fixtures": 1, "cable": "charging", "obs_mode": "partial"})
+    (CABLE, {"num_fixtures": 1, "cable": "charging", "obs_mode": "partial"}),
+    ("ICDCableRoutingAdaptation-v0", {"num_fixtures": 3, "goals": "contact"}),
 ]
 """Every environment as it is, and options that change what the contracts speak of."""
 

@@ -5,9 +5,9 @@ import pytest
 
 from icd_envs.demonstrations import demonstrate
 from icd_envs.errors import InvalidOptionError
-from icd_envs.experts.cable_routing import CableRoutingExpert, Intent, Style, draw_style
+from icd_envs.experts.cable_routing import CableRoutingExpert, Style, draw_style
 from icd_envs.geometry.routing import signed_crossings
-from icd_envs.scenes.cable_routing import CableRoutingScene
+from icd_envs.scenes.cable_routing import CONTACTS, CableRoutingScene, Contact
 from icd_envs.tasks.base import HOLD_STEPS, Demonstration, run_expert
 from icd_envs.tasks.cable_routing import CableRouting
 from icd_envs.tasks.problem import draw_problem, scene_rng
@@ -39,13 +39,13 @@ def test_clean_expert_solves_scenes_within_the_budget(scenes: list[CableRoutingS
 
 
 @pytest.mark.parametrize("clip", [0, 1])
-@pytest.mark.parametrize("fault", ["skip", "wrong"])
+@pytest.mark.parametrize("fault", ["free", "behind"])
 def test_fault_at_one_clip_fails_there(
-    scenes: list[CableRoutingScene], clip: int, fault: Intent
+    scenes: list[CableRoutingScene], clip: int, fault: Contact
 ) -> None:
-    intents: list[Intent] = ["route", "route"]
-    intents[clip] = fault
-    runs = [perform(scene, Style(tuple(intents))) for scene in scenes]
+    contacts: list[Contact] = ["through", "through"]
+    contacts[clip] = fault
+    runs = [perform(scene, Style(tuple(contacts))) for scene in scenes]
     missed = [
         signed_crossings(run.points[-1], scene.clip_poses)[clip] == 0
         for run, scene in zip(runs, scenes, strict=True)
@@ -92,12 +92,13 @@ def test_demonstration_is_consistent() -> None:
 
 def test_styles_are_mostly_good_and_always_valid() -> None:
     rng = np.random.default_rng(0)
-    styles = [draw_style(rng, 3) for _ in range(2000)]
-    faulty = [style for style in styles if style.detour or set(style.intents) != {"route"}]
+    styles = [draw_style(rng, ("through",) * 3) for _ in range(2000)]
+    faulty = [style for style in styles if style.detour or set(style.contacts or ()) != {"through"}]
     assert len(faulty) / len(styles) == pytest.approx(0.3, abs=0.04)
-    assert {intent for style in styles for intent in style.intents} == {"route", "wrong", "skip"}
+    assert {contact for style in styles for contact in style.contacts or ()} == set(CONTACTS)
     for style in styles:
-        assert len(style.intents) == 3
+        assert style.contacts is not None
+        assert len(style.contacts) == 3
         assert 0 < style.speed <= TASK.action_scale
         assert style.noise >= 0
 

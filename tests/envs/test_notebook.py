@@ -9,7 +9,7 @@ import pytest
 
 from icd_envs.demonstrations import demonstrate
 from icd_envs.experts.notebook_folding import Fault, NotebookFoldingExpert, Style, draw_style
-from icd_envs.geometry.folding import COLUMNS, FOLDED, ROWS, fold_gap, on_top
+from icd_envs.geometry.folding import COLUMNS, FOLDED, ROWS, cover_gap, fold_gap, on_top
 from icd_envs.geometry.sdf import BoxUnion
 from icd_envs.physics.plant import Plant, TrackedCloud, TrackedSheet
 from icd_envs.scenes.notebook import DEFAULT_NOTEBOOK, NotebookSpec
@@ -176,12 +176,25 @@ def test_fold_gap_is_the_chord_of_the_angle(degrees: int) -> None:
     assert (gap < FOLDED) == (degrees <= 15)
 
 
+@pytest.mark.parametrize("every", [1, 4])
+def test_cover_gap_is_the_fold_gap_of_stiff_covers_for_any_even_selection(every: int) -> None:
+    for angle in np.linspace(0.0, np.pi, 5):
+        cloud = folded_cloud(angle)
+        count = len(cloud) // every
+        kept = cloud[np.linspace(0, len(cloud) - 1, count).round().astype(int)]
+        assert cover_gap(kept) == pytest.approx(float(fold_gap(cloud)), abs=6e-3)
+        assert cover_gap(cloud[None, None]).shape == (1, 1)
+        assert cover_gap(cloud) <= fold_gap(cloud) + 1e-12
+
+
 def test_fold_gap_and_on_top_take_batches(scenes: list[NotebookFoldingScene]) -> None:
     clouds = np.stack([folded_cloud(a) for a in (0.0, 1.0, np.pi)])
     np.testing.assert_array_equal(fold_gap(clouds), [fold_gap(cloud) for cloud in clouds])
-    table = scenes[0].table.box()
-    placed = clouds + np.array([*scenes[0].table.position, scenes[0].table.height])
-    np.testing.assert_array_equal(on_top(placed, table), [on_top(c, table) for c in placed])
+    tables = np.stack([scene.table.parameters for scene in scenes[:3]])
+    placed = clouds + np.array([*scenes[0].table.position, scenes[0].table.height + 0.005])
+    single = [[bool(on_top(cloud, table)) for table in tables] for cloud in placed]
+    np.testing.assert_array_equal(on_top(placed[:, None], tables), single)
+    assert len(np.unique(single)) == 2
 
 
 @pytest.mark.parametrize(
@@ -200,7 +213,7 @@ def test_on_top_means_above_and_within(
     table = scenes[0].table
     cloud = folded_cloud(np.pi) + np.array([*table.position, table.height]) + shift
     cloud[:, 1] -= DEFAULT_NOTEBOOK.width / 2
-    assert bool(on_top(cloud, table.box())) == expected
+    assert bool(on_top(cloud, table.parameters)) == expected
 
 
 def test_scenes_leave_the_notebook_room_to_rise() -> None:
@@ -225,7 +238,7 @@ def test_clean_expert_folds_on_the_table_within_the_budget(
         assert HOLD_STEPS < run.steps <= TASK.max_steps
         held = run.points[-HOLD_STEPS:]
         assert np.all(fold_gap(held) < FOLDED)
-        assert np.all(on_top(held, scene.table.box()))
+        assert np.all(on_top(held, scene.table.parameters))
 
 
 def test_nothing_passes_through_the_table_or_obstacles(

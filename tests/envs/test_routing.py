@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 from scipy.interpolate import CubicSpline
 
 from icd_envs.api import Float64Array
-from icd_envs.geometry.routing import find_crossing, signed_crossings
+from icd_envs.geometry.routing import BEHIND, find_crossing, passes_behind, signed_crossings
 from icd_envs.scenes.boxes import rotation_z
-from icd_envs.scenes.clip import THROAT_X, Clip, throat_height
+from icd_envs.scenes.clip import THROAT_X, WALL_BACK, WALL_HEIGHT, Clip, throat_height
 from tests.envs.linking import clip_loop, closed, linking_number
 
 SEEDS = st.integers(0, 2**32 - 1)
@@ -140,3 +140,24 @@ def test_point_on_the_plane_is_counted_once() -> None:
         assert count(line(THROUGH[0], corner, THROUGH[1]), clip) == 1
         assert count(line(THROUGH[1], corner, THROUGH[0]), clip) == -1
         assert count(line(THROUGH[0], corner, THROUGH[0]), clip) == 0
+
+
+@pytest.mark.parametrize(
+    ("x", "z", "expected"),
+    [
+        (WALL_BACK - 0.01, 0.02, True),
+        (WALL_BACK - BEHIND + 0.01, WALL_HEIGHT - 0.01, True),
+        (WALL_BACK - BEHIND - 0.01, 0.02, False),
+        (WALL_BACK - 0.01, WALL_HEIGHT + 0.01, False),
+        (MIDDLE, 0.02, False),
+        (THROAT_X[1] + 0.1, 0.02, False),
+    ],
+)
+@pytest.mark.parametrize("clip", [Clip((0.0, 0.0), 0.0), Clip((0.4, -0.2), 2.5)])
+def test_behind_is_along_the_back_of_the_wall(
+    clip: Clip, x: float, z: float, expected: bool
+) -> None:
+    there = np.array([[x, -0.3, z], [x, 0.01, z], [x, 0.3, z]])
+    forth_and_back = np.concatenate([there, there[::-1]])
+    for cable, found in ((there, expected), (there[::-1], expected), (forth_and_back, False)):
+        assert passes_behind(cable @ rotation_z(clip.yaw).T + clip.origin, clip) == found
