@@ -54,12 +54,12 @@ def run_expert(job: Job, split: Literal["train", "test"], noisy: bool) -> Row:
             message="",
             seconds=perf_counter() - start,
             act_seconds=0.0,
-            privileged=True,
+            privileged="oracle",
         )
     except Exception as error:
         return error_row(
             job,
             f"expert: {type(error).__name__}: {error}",
             seconds=perf_counter() - start,
-            privileged=True,
+            privileged="oracle",
         )

@@ -15,7 +15,8 @@ from benchmarks.files import locked
 from benchmarks.manifest import FILE_NAME as MANIFEST_NAME
 from benchmarks.manifest import continued, describe, read_manifest
 from benchmarks.plan import JobKey, Plan
-from benchmarks.rows import SCHEMA, Row, row_from_record
+from benchmarks.rows import Row, row_from_record
+from benchmarks.schema import READABLE, SCHEMA
 
 ROWS_NAME = "episodes.jsonl"
 
@@ -134,10 +135,10 @@ def _parse(file: Path, lines: list[bytes]) -> Iterator[tuple[int, Row]]:
                 )
                 return
             raise ResultsError(f"{file}, line {number}: not JSON: {error}") from error
-        if isinstance(record, dict) and record.get("schema", SCHEMA) != SCHEMA:
+        if isinstance(record, dict) and record.get("schema", SCHEMA) not in READABLE:
             raise IncompatibleResultsError(
-                f"{file}, line {number}: schema must be {SCHEMA}, got {record['schema']!r}: read "
-                "it with the version of this project that wrote it"
+                f"{file}, line {number}: schema must be one of {READABLE}, got "
+                f"{record['schema']!r}: read it with the version of this project that wrote it"
             )
         try:
             yield number, row_from_record(record)

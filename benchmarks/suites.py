@@ -3,11 +3,19 @@
 from __future__ import annotations
 
 import zlib
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Final
 
 import numpy as np
 
+from benchmarks.conditions import TaskSpec
 from icd_envs.errors import InvalidOptionError, unknown_name
+
+CABLE: Final = "ICDCableRouting-v0"
+NOTEBOOK: Final = "ICDNotebookFolding-v0"
+TASKS: Final = (TaskSpec(CABLE), TaskSpec(NOTEBOOK))
 
 
 @dataclass(frozen=True)
@@ -17,23 +25,40 @@ class Suite:
     Attributes:
         name: what users call it.
         version: counts the changes of its tasks or episodes.
-        env_ids: the tasks.
-        episodes: episodes per task.
+        tasks: environments and conditions.
+        episodes: test cases per task.
+        repeats: episodes per test case, with other seeds of the agent.
     """
 
     name: str
     version: int
-    env_ids: tuple[str, ...]
+    tasks: tuple[TaskSpec, ...]
     episodes: int
+    repeats: int = 1
+
+    @property
+    def description(self) -> str:
+        """How much it is."""
+        seeds = "" if self.repeats == 1 else f" x {self.repeats} seeds"
+        return f"{len(self.tasks)} tasks x {self.episodes} cases{seeds}"
+
+    @property
+    def title(self) -> str:
+        """Name and version."""
+        return f"{self.name} v{self.version}"
 
 
-SUITES: dict[str, Suite] = {
-    suite.name: suite
-    for suite in (
-        Suite("smoke", version=1, env_ids=("ICDCableRouting-v0",), episodes=1),
-        Suite("quick", version=1, env_ids=("ICDCableRouting-v0",), episodes=10),
-    )
-}
+SUITES: Final[Mapping[str, Suite]] = MappingProxyType(
+    {
+        suite.name: suite
+        for suite in (
+            Suite("smoke", version=2, tasks=TASKS, episodes=1),
+            Suite("quick", version=2, tasks=TASKS, episodes=5),
+            Suite("paper", version=1, tasks=TASKS, episodes=10, repeats=2),
+            Suite("full", version=1, tasks=TASKS, episodes=100),
+        )
+    }
+)
 
 
 def find_suite(name: str) -> Suite:
@@ -60,3 +85,15 @@ def episode_seed(base: int, env_id: str, index: int) -> int:
     """
     task = zlib.crc32(env_id.rpartition(":")[2].encode())
     return int(np.random.SeedSequence([base, task, index]).generate_state(1)[0]) >> 1
+
+
+def agent_seed(seed: int, repeat: int) -> int:
+    """Seed of the agent in one episode: the scene's own, but for repeats.
+
+    Args:
+        seed: from ``episode_seed``.
+        repeat: how often the agent has met this case before, >= 0.
+    """
+    if repeat == 0:
+        return seed
+    return int(np.random.SeedSequence([seed, repeat]).generate_state(1)[0]) >> 1
