@@ -99,6 +99,16 @@ def make_env(task: TaskSpec) -> gym.Env[Any, Any]:
     import gymnasium as gym
 
     import icd_envs  # noqa: F401  registers our ids
+    from icd_envs.wrappers import MismatchedPlanner, NoisyActions, NoisyObservations
 
-    options: dict[str, Any] = dict(task.condition.options)
-    return gym.make(task.env, split="test", disable_env_checker=True, **options)
+    condition = task.condition
+    options: dict[str, Any] = dict(condition.options)
+    env: gym.Env[Any, Any] = gym.make(task.env, split="test", disable_env_checker=True, **options)
+    planner = (condition.planner_stiffness, condition.planner_mass, condition.planner_friction)
+    if planner != (1.0, 1.0, 1.0):
+        env = MismatchedPlanner(env, *planner)
+    if condition.action_noise > 0.0:
+        env = NoisyActions(env, condition.action_noise)
+    if condition.observation_noise > 0.0:
+        env = NoisyObservations(env, condition.observation_noise)
+    return env

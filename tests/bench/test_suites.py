@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from benchmarks.conditions import Condition, TaskSpec
+from benchmarks.conditions import Condition, TaskSpec, make_env
 from benchmarks.plan import Plan, plan_suite
 from benchmarks.suites import SUITES, episode_seed, find_suite
 from icd_envs.errors import InvalidOptionError
+from icd_envs.registration import ENV_IDS
 
 
 def test_seed_follows_the_documented_law() -> None:
@@ -68,7 +69,7 @@ def test_plan_refuses_nonsense(fields: dict[str, object]) -> None:
 
 def test_suites_are_versioned_and_found_by_name() -> None:
     assert find_suite("smoke").episodes == 1
-    assert find_suite("paper").description == "2 tasks x 10 cases x 2 seeds"
+    assert find_suite("paper").description == "3 tasks x 10 cases x 2 seeds"
     assert all(suite.version >= 1 and suite.tasks for suite in SUITES.values())
     with pytest.raises(InvalidOptionError, match="did you mean 'quick'"):
         find_suite("quik")
@@ -96,3 +97,27 @@ def test_parts_of_a_suite_lose_its_name() -> None:
     assert plan_suite(suite, ["a"], episodes=suite.episodes).suite == suite.title
     part = plan_suite(suite, ["a"], envs=[suite.tasks[1].env, "Own-v0"], episodes=2)
     assert (part.suite, part.tasks) == ("", (suite.tasks[1], TaskSpec("Own-v0")))
+
+
+def test_every_task_of_every_suite_can_be_made() -> None:
+    tasks = dict.fromkeys(task for suite in SUITES.values() for task in suite.tasks)
+    assert {task.env for task in tasks} == set(ENV_IDS)
+    for task in tasks:
+        env = make_env(task)
+        assert env.spec is not None
+        assert env.spec.id == task.env
+
+
+def test_robust_names_every_condition_of_its_promise() -> None:
+    tasks = find_suite("robust").tasks
+    fixtures = {dict(task.condition.options).get("num_fixtures", 2) for task in tasks}
+    cables = {dict(task.condition.options).get("cable", "default") for task in tasks}
+    assert fixtures == {1, 2, 3, 4}
+    assert cables == {"default", "charging", "ethernet", "rope"}
+    for env in {task.env for task in tasks}:
+        conditions = {task.condition for task in tasks if task.env == env}
+        assert Condition() in conditions
+        assert any(condition.action_noise for condition in conditions)
+        assert any(condition.observation_noise for condition in conditions)
+        assert any(condition.planner_mass != 1.0 for condition in conditions)
+        assert any(("obs_mode", "partial") in condition.options for condition in conditions)
