@@ -167,7 +167,7 @@ def continued(old: Manifest, new: Manifest) -> Manifest:
             f"cannot resume: {'; '.join(differences)}. Choose another --out, or the same "
             "agents, envs, episodes (or more of them), seed, code and versions"
         )
-    return replace(new, created=old.created)
+    return replace(new, created=old.created, wall_seconds=old.wall_seconds)
 
 
 def _described(plan: Plan) -> str:

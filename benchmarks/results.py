@@ -6,14 +6,16 @@ import json
 import os
 import warnings
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
+from time import perf_counter
 
 from benchmarks.errors import IncompatibleResultsError, ResultsError, ResultsWarning
 from benchmarks.files import locked
 from benchmarks.manifest import FILE_NAME as MANIFEST_NAME
-from benchmarks.manifest import continued, describe, read_manifest
+from benchmarks.manifest import Manifest, continued, describe, read_manifest
 from benchmarks.plan import JobKey, Plan
 from benchmarks.rows import Row, row_from_record
 from benchmarks.schema import READABLE, SCHEMA
@@ -62,7 +64,14 @@ def open_results(path: Path, plan: Plan, *, resume: bool) -> Iterator[ResultsFol
         IncompatibleResultsError: results of another plan, code or version.
     """
     with locked(path):
-        yield ResultsFolder(path, _begin(path, plan, resume=resume))
+        manifest, rows = _begin(path, plan, resume=resume)
+        start = perf_counter()
+        try:
+            yield ResultsFolder(path, rows)
+        finally:
+            seconds = (manifest.wall_seconds or 0.0) + perf_counter() - start
+            with suppress(OSError):  # the rows matter more than how long they took
+                replace(manifest, wall_seconds=seconds).write(path)
 
 
 def new_folder(parent: Path) -> Path:
@@ -94,7 +103,7 @@ def read_rows(path: Path) -> list[Row]:
     return _unique(path / ROWS_NAME, _parse(path / ROWS_NAME, _read_lines(path / ROWS_NAME)))
 
 
-def _begin(path: Path, plan: Plan, *, resume: bool) -> list[Row]:
+def _begin(path: Path, plan: Plan, *, resume: bool) -> tuple[Manifest, list[Row]]:
     manifest = describe(plan)
     try:
         if any((path / name).exists() for name in (MANIFEST_NAME, ROWS_NAME)):
@@ -110,7 +119,7 @@ def _begin(path: Path, plan: Plan, *, resume: bool) -> list[Row]:
         manifest.write(path)
     except OSError as error:
         raise ResultsError(f"cannot write to {path}: {error}: choose another --out") from error
-    return rows
+    return manifest, rows
 
 
 def _read_lines(file: Path) -> list[bytes]:

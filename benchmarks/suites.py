@@ -39,7 +39,9 @@ ROBUST_TASKS: Final = tuple(
             _OBSERVATION_NOISE,
             _MISMATCH,
             *(Condition(f"{cable} cable", (("cable", cable),)) for cable in _CABLES),
-            *(Condition(f"{n} fixtures", (("num_fixtures", n),)) for n in (1, 3, 4)),
+            Condition("1 fixture", (("num_fixtures", 1),)),
+            Condition("3 fixtures", (("num_fixtures", 3),)),
+            Condition("4 fixtures", (("num_fixtures", 4),)),
         ),
         NOTEBOOK: (DEFAULT, _PARTIAL, _ACTION_NOISE, _OBSERVATION_NOISE, _MISMATCH),
     }.items()

@@ -1,11 +1,16 @@
 """Lines, manifests and locks of a results folder."""
 
+import contextlib
 import dataclasses
 import json
 import re
+import time
+import warnings
 from pathlib import Path
 
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from benchmarks import manifest as manifests
 from benchmarks.conditions import TaskSpec
@@ -199,3 +204,33 @@ def test_manifest_of_another_schema_is_incompatible(tmp_path: Path) -> None:
     (tmp_path / manifests.FILE_NAME).write_text('{"schema": 99}')
     with pytest.raises(IncompatibleResultsError, match="got 99"):
         read_manifest(tmp_path)
+
+
+@given(st.binary(max_size=40), st.integers(0, 300), st.integers(0, 300))
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_damaged_files_are_rows_or_a_typed_error(
+    tmp_path: Path, noise: bytes, cut: int, lost: int
+) -> None:
+    whole = "".join(LINES).encode()
+    damaged = whole[:cut] + noise + whole[cut + lost :]
+    (tmp_path / ROWS_NAME).write_bytes(damaged)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ResultsWarning)
+        try:
+            rows = read_rows(tmp_path)
+        except ResultsError:
+            return
+    assert len(rows) <= damaged.count(b"\n") + 1
+    assert all(row == row_from_record(json.loads(row.to_line())) for row in rows)
+
+
+def test_manifest_counts_the_time_of_all_runs(tmp_path: Path) -> None:
+    with open_results(tmp_path, PLAN, resume=False):
+        assert read_manifest(tmp_path).wall_seconds == 0.0
+        time.sleep(0.02)
+    first = read_manifest(tmp_path).wall_seconds
+    assert 0.02 <= first < 2.0
+    with contextlib.suppress(KeyboardInterrupt), open_results(tmp_path, PLAN, resume=True):
+        time.sleep(0.02)
+        raise KeyboardInterrupt
+    assert read_manifest(tmp_path).wall_seconds >= first + 0.02
