@@ -47,7 +47,7 @@ def list_() -> None:
         (
             "suite",
             suite.name,
-            f"v{suite.version}: {suite.episodes} episodes of {len(suite.env_ids)} env",
+            f"v{suite.version}: {suite.description}",
         )
         for suite in SUITES.values()
     ]
@@ -59,13 +59,15 @@ def list_() -> None:
 def run(
     agent: Annotated[list[str], typer.Option(help="Name or module:attr; repeatable.")],
     env: Annotated[
-        list[str] | None, typer.Option(help="Environment id; repeatable; instead of the suite's.")
+        list[str] | None,
+        typer.Option(help="Environment id; repeatable; of the suite's, or another."),
     ] = None,
     suite: Annotated[
         str | None, typer.Option(help="Fixed environments and episodes.", show_default="quick")
     ] = None,
     episodes: Annotated[
-        int | None, typer.Option(min=1, help="Per agent and env, instead of the suite's.")
+        int | None,
+        typer.Option(min=1, help="Test cases per agent and task, instead of the suite's."),
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Base seed of all episodes.")] = 0,
     workers: Workers = 1,
@@ -81,17 +83,12 @@ def run(
     _import_from_working_directory()
     with _errors_in_one_line():
         from benchmarks import progress, registry, results, runner
-        from benchmarks.plan import Plan
+        from benchmarks.plan import plan_suite
         from benchmarks.suites import find_suite
         from icd_envs.errors import InvalidOptionError
 
         chosen = find_suite(suite or "quick")
-        plan = Plan(
-            agents=tuple(dict.fromkeys(agent)),
-            envs=tuple(dict.fromkeys(env or chosen.env_ids)),
-            episodes=episodes or chosen.episodes,
-            seed=seed,
-        )
+        plan = plan_suite(chosen, agent, envs=env or (), episodes=episodes, seed=seed)
         with redirect_stdout(sys.stderr):
             for env_id in plan.envs:
                 registry.check_env_id(env_id)

@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import Final, NamedTuple
 
+from benchmarks.conditions import TaskSpec
 from benchmarks.errors import IncompatibleResultsError, ResultsError
 from benchmarks.executors import execute
 from benchmarks.files import locked, write_atomically
@@ -65,7 +66,7 @@ def collect(
         DemonstrationsError: a shard in it is damaged.
         IncompatibleResultsError: it has episodes of another header, code or version.
     """
-    plan = Plan((AGENT,), (header.env_id,), header.episodes, header.seed)
+    plan = Plan((AGENT,), (TaskSpec(header.env_id),), header.episodes, header.seed)
     jobs = plan.jobs()
     shards = [Shard(k, [jobs[i] for i in header.indices(k)]) for k in range(header.shards)]
     with locked(out):
@@ -176,7 +177,7 @@ def _rows(jobs: Sequence[Job], arrays: Arrays) -> list[Row]:
             message="",
             seconds=0.0,
             act_seconds=0.0,
-            privileged=True,
+            privileged="oracle",
         )
         for i, job in enumerate(jobs)
     ]

@@ -12,7 +12,7 @@ from typing import Any
 import gymnasium as gym
 import numpy as np
 
-import icd_envs  # noqa: F401  registers our ids
+from benchmarks.conditions import TaskSpec, make_env
 from benchmarks.plan import Job
 from benchmarks.registry import make_agent
 from benchmarks.rows import Row, error_row
@@ -23,13 +23,13 @@ from icd_envs.api import Agent, Episode
 class _Kept:
     """What a worker process keeps between episodes; scenes and weights are slow to load."""
 
-    envs: dict[str, gym.Env[Any, Any]] = field(default_factory=dict)
+    envs: dict[TaskSpec, gym.Env[Any, Any]] = field(default_factory=dict)
     agents: dict[str, Agent] = field(default_factory=dict)
 
-    def env(self, env_id: str) -> gym.Env[Any, Any]:
-        if env_id not in self.envs:
-            self.envs[env_id] = gym.make(env_id, split="test", disable_env_checker=True)
-        return self.envs[env_id]
+    def env(self, task: TaskSpec) -> gym.Env[Any, Any]:
+        if task not in self.envs:
+            self.envs[task] = make_env(task)
+        return self.envs[task]
 
     def agent(self, name: str) -> Agent:
         if name not in self.agents:
@@ -39,7 +39,7 @@ class _Kept:
     def drop(self, job: Job) -> None:
         """Forget agent and environment of a job that went wrong: their state is unknown."""
         self.agents.pop(job.agent, None)
-        env = self.envs.pop(job.env, None)
+        env = self.envs.pop(job.task, None)
         if env is not None:
             with suppress(Exception):
                 env.close()
@@ -53,7 +53,7 @@ class _Tally:
     steps: int = 0
     return_: float = 0.0
     act_seconds: float = 0.0
-    privileged: bool = False
+    privileged: str = ""
 
 
 _kept = _Kept()
@@ -73,7 +73,9 @@ def run_episode(job: Job, threads: int = 1) -> Row:
         return Row(
             agent=job.agent,
             env=job.env,
+            condition=job.condition.name,
             index=job.index,
+            repeat=job.repeat,
             seed=job.seed,
             status="ok",
             success=bool(info["is_success"]),
@@ -81,6 +83,7 @@ def run_episode(job: Job, threads: int = 1) -> Row:
             steps=tally.steps,
             return_=tally.return_,
             diverged=bool(info["diverged"]),
+            buffer_overflows=info.get("buffer_overflows"),
             message="",
             seconds=perf_counter() - start,
             act_seconds=tally.act_seconds / max(1, tally.steps),
@@ -101,19 +104,20 @@ def run_episode(job: Job, threads: int = 1) -> Row:
 
 def _play(job: Job, threads: int, tally: _Tally) -> dict[str, Any]:
     """Act until the episode ends and return its last info."""
-    env = _kept.env(job.env)
+    env = _kept.env(job.task)
     tally.doing = "making the agent"
     agent = _kept.agent(job.agent)
     simulator = bool(getattr(agent, "needs_simulator", False))
     oracle = bool(getattr(agent, "needs_oracle", False))
-    tally.privileged = simulator or oracle
+    asked = {"simulator": simulator, "oracle": oracle}
+    tally.privileged = "+".join(name for name, given in asked.items() if given)
 
     tally.doing = "resetting the environment"
     observation, _ = env.reset(seed=job.seed)
-    unwrapped: Any = env.unwrapped
-    episode: Episode = unwrapped.episode(simulator=simulator, oracle=oracle, threads=threads)
+    begin_episode = env.get_wrapper_attr("episode")
+    episode: Episode = begin_episode(simulator=simulator, oracle=oracle, threads=threads)
     tally.doing = "resetting the agent"
-    agent.reset(episode, job.seed)
+    agent.reset(episode, job.agent_seed)
 
     for _ in range(episode.max_steps):
         tally.doing = "act"

@@ -87,7 +87,7 @@ def run_row(job: Job, play: Callable[[Job], Outcome]) -> Row:
             job,
             f"{job.agent}: {type(error).__name__}: {error}",
             seconds=perf_counter() - start,
-            privileged=True,
+            privileged="oracle",
         )
     return Row(
         agent=job.agent,
@@ -103,7 +103,7 @@ def run_row(job: Job, play: Callable[[Job], Outcome]) -> Row:
         message="",
         seconds=perf_counter() - start,
         act_seconds=0.0,
-        privileged=True,
+        privileged="oracle",
     )
 
 

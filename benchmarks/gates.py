@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+from benchmarks.conditions import TaskSpec
 from benchmarks.expert_runs import CopiedGoals, ExpertRuns, RoutesAll
 from benchmarks.plan import Plan
 from benchmarks.registry import agent_factory, check_env_id
@@ -167,7 +168,7 @@ def run_gates(
     works = {source: source.work(workers) for source in dict.fromkeys(g.source for g in gates)}
     rows = {
         source: run(
-            Plan((source.agent,), (env_id,), source.episodes),
+            Plan((source.agent,), (TaskSpec(env_id),), source.episodes),
             out / "rows" / source.agent.replace(":", "-"),
             work,
             workers=workers,

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 from benchmarks import provenance
+from benchmarks.conditions import TaskSpec, task_from_record
 from benchmarks.errors import IncompatibleResultsError, ResultsError
 from benchmarks.files import write_atomically
 from benchmarks.plan import Plan
-from benchmarks.rows import SCHEMA
+from benchmarks.schema import READABLE, SCHEMA, upgraded_manifest
 
 FILE_NAME = "manifest.json"
 
@@ -24,9 +26,13 @@ class Manifest:
     Attributes:
         schema: version of manifest and rows.
         agents: names, in the order of the tables.
-        envs: ids, in the order of the tables.
-        episodes: episodes for each agent and environment.
+        tasks: environments and conditions, in the order of the tables.
+        episodes: test cases for each agent and task.
+        repeats: episodes for each test case.
         seed: base seed.
+        suite: name and version, if the plan is exactly a suite's.
+        config: hash of the plan; empty if it was not recorded.
+        weights: hashes of the weight files, by path.
         packages: installed versions.
         code: fingerprint of the sources and weights of envs, agents and baselines.
         commit: git commit of the checkout, if it is one.
@@ -37,13 +43,19 @@ class Manifest:
         cpu_model: as the operating system calls it.
         created: when the folder was begun, UTC.
         updated: when it was last resumed, UTC.
+        wall_seconds: [s] that its runs took together; None if it was not recorded.
+        mixed: in what the runs that wrote the rows differ, empty unless that was allowed.
     """
 
     schema: int
     agents: tuple[str, ...]
-    envs: tuple[str, ...]
+    tasks: tuple[TaskSpec, ...]
     episodes: int
+    repeats: int
     seed: int
+    suite: str
+    config: str
+    weights: dict[str, str]
     packages: dict[str, str]
     code: str
     commit: str | None
@@ -54,15 +66,18 @@ class Manifest:
     cpu_model: str
     created: str
     updated: str
+    wall_seconds: float | None = 0.0
+    mixed: tuple[str, ...] = ()
 
     @property
     def plan(self) -> Plan:
         """The plan it describes."""
-        return Plan(self.agents, self.envs, self.episodes, self.seed)
+        return Plan(self.agents, self.tasks, self.episodes, self.seed, self.repeats, self.suite)
 
     def to_json(self) -> bytes:
         """The file's content."""
-        return json.dumps(asdict(self), indent=2).encode()
+        record = {**vars(self), "tasks": [task.record() for task in self.tasks]}
+        return json.dumps(record, indent=2).encode()
 
     def write(self, folder: Path) -> None:
         """Replace the folder's manifest in one step."""
@@ -76,9 +91,13 @@ def describe(plan: Plan) -> Manifest:
     return Manifest(
         schema=SCHEMA,
         agents=plan.agents,
-        envs=plan.envs,
+        tasks=plan.tasks,
         episodes=plan.episodes,
+        repeats=plan.repeats,
         seed=plan.seed,
+        suite=plan.suite,
+        config=config_hash(plan),
+        weights=provenance.weight_hashes(),
         packages=provenance.package_versions(),
         code=provenance.code_fingerprint(),
         commit=commit,
@@ -92,8 +111,14 @@ def describe(plan: Plan) -> Manifest:
     )
 
 
+def config_hash(plan: Plan) -> str:
+    """Hash of everything that a plan says."""
+    record = {**vars(plan), "tasks": [task.record() for task in plan.tasks]}
+    return f"sha256:{hashlib.sha256(json.dumps(record).encode()).hexdigest()}"
+
+
 def read_manifest(folder: Path) -> Manifest:
-    """Read a folder's manifest.
+    """Read a folder's manifest, of this schema or an older one.
 
     Raises:
         ResultsError: missing or not a manifest.
@@ -101,18 +126,18 @@ def read_manifest(folder: Path) -> Manifest:
     """
     path = folder / FILE_NAME
     try:
-        record: Any = json.loads(path.read_text(encoding="utf-8"))
+        record: Any = upgraded_manifest(json.loads(path.read_text(encoding="utf-8")))
         if record["schema"] != SCHEMA:
             raise IncompatibleResultsError(
-                f"{path}: schema must be {SCHEMA}, got {record['schema']!r}: read it with the "
-                "version of this project that wrote it"
+                f"{path}: schema must be one of {READABLE}, got {record['schema']!r}: "
+                "read it with the version of this project that wrote it"
             )
-        return Manifest(
-            **{**record, "agents": tuple(record["agents"]), "envs": tuple(record["envs"])}
-        )
+        listed = {name: tuple(record[name]) for name in ("agents", "mixed")}
+        tasks = tuple(map(task_from_record, record["tasks"]))
+        return Manifest(**{**record, **listed, "tasks": tasks})
     except FileNotFoundError as error:
         raise ResultsError(f"no results in {folder}: {FILE_NAME} is missing there") from error
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         if isinstance(error, ResultsError):
             raise
         raise ResultsError(f"{path} is not a manifest: {type(error).__name__}: {error}") from error
@@ -135,13 +160,18 @@ def continued(old: Manifest, new: Manifest) -> Manifest:
     ]
     if not new.plan.extends(old.plan):
         differences.append(
-            f"plan: agents={list(old.agents)} envs={list(old.envs)} episodes={old.episodes} there "
-            f"is not contained in agents={list(new.agents)} envs={list(new.envs)} "
-            f"episodes={new.episodes} now"
+            f"plan: {_described(old.plan)} there is not contained in {_described(new.plan)} now"
         )
     if differences:
         raise IncompatibleResultsError(
             f"cannot resume: {'; '.join(differences)}. Choose another --out, or the same "
             "agents, envs, episodes (or more of them), seed, code and versions"
         )
-    return replace(new, created=old.created)
+    return replace(new, created=old.created, wall_seconds=old.wall_seconds)
+
+
+def _described(plan: Plan) -> str:
+    tasks = [" ".join(task.key) for task in plan.tasks]
+    return (
+        f"agents={list(plan.agents)} tasks={tasks} repeats={plan.repeats} episodes={plan.episodes}"
+    )

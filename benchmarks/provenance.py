@@ -68,6 +68,19 @@ def code_fingerprint() -> str:
     return f"sha256:{digest.hexdigest()}"
 
 
+def weight_hashes() -> dict[str, str]:
+    """Hashes of the shipped weight files, by path."""
+    files = sorted(
+        path for name in _FINGERPRINTED for path in (_ROOT / name).rglob("*.safetensors")
+    )
+    return {
+        path.relative_to(
+            _ROOT
+        ).as_posix(): f"sha256:{hashlib.sha256(path.read_bytes()).hexdigest()}"
+        for path in files
+    }
+
+
 def git_state() -> tuple[str | None, bool | None]:
     """Commit and dirty flag, if these sources are a checkout and not merely installed in one."""
     if not (_ROOT / ".git").exists():

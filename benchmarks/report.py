@@ -22,6 +22,7 @@ class Summary:
     Attributes:
         agent: name of the agent.
         env: id of the environment.
+        condition: what it was put under.
         episodes: rows, errors included.
         errors: rows of status "error"; no rate or mean counts them.
         successes: episodes that ended in success.
@@ -31,11 +32,12 @@ class Summary:
         complete_ci: 95 % Wilson interval of it, conservative.
         success_steps: mean control steps of the successes.
         act_seconds: [s] mean wall time of one ``act``.
-        privileged: the agent used the simulator or the expert's solution.
+        privileged: what the agent was given beyond observations, see ``Row``.
     """
 
     agent: str
     env: str
+    condition: str
     episodes: int
     errors: int
     successes: int
@@ -45,13 +47,14 @@ class Summary:
     complete_ci: Interval | None
     success_steps: float | None
     act_seconds: float | None
-    privileged: bool
+    privileged: str
 
     def record(self) -> dict[str, Any]:
         """The keys that ``report --json`` promises, and no others."""
         return {
             "agent": self.agent,
             "env": self.env,
+            "condition": self.condition,
             "episodes": self.episodes,
             "errors": self.errors,
             "success": self.success,
@@ -70,26 +73,27 @@ def report(folders: Sequence[Path]) -> list[Summary]:
     """
     manifests = [read_manifest(folder) for folder in folders]
     rows = _merge([(folder, read_rows(folder)) for folder in folders])
-    pairs = dict.fromkeys(
-        (agent, env)
-        for env in dict.fromkeys(env for manifest in manifests for env in manifest.envs)
+    keys = dict.fromkeys(
+        (agent, *task)
+        for task in dict.fromkeys(task.key for manifest in manifests for task in manifest.tasks)
         for agent in dict.fromkeys(agent for manifest in manifests for agent in manifest.agents)
-        if any(_planned(manifest, agent, env) for manifest in manifests)
+        if any(_planned(manifest, agent, task) for manifest in manifests)
     )
     return [
-        summarise(agent, env, [row for row in rows if (row.agent, row.env) == (agent, env)])
-        for agent, env in pairs
+        summarise(*key, [row for row in rows if (row.agent, row.env, row.condition) == key])
+        for key in keys
     ]
 
 
-def summarise(agent: str, env: str, rows: Sequence[Row]) -> Summary:
-    """Summary of one agent's rows on one environment."""
+def summarise(agent: str, env: str, condition: str, rows: Sequence[Row]) -> Summary:
+    """Summary of one agent's rows on one task."""
     finished = [row for row in rows if row.status == "ok"]
     won = [row for row in finished if row.success]
     complete = math.fsum(row.complete for row in finished)
     return Summary(
         agent=agent,
         env=env,
+        condition=condition,
         episodes=len(rows),
         errors=len(rows) - len(finished),
         successes=len(won),
@@ -99,24 +103,26 @@ def summarise(agent: str, env: str, rows: Sequence[Row]) -> Summary:
         complete_ci=wilson(complete, len(finished)),
         success_steps=_mean(row.steps for row in won),
         act_seconds=_mean(row.act_seconds for row in finished),
-        privileged=any(row.privileged for row in rows),
+        privileged=next((row.privileged for row in rows if row.privileged), ""),
     )
 
 
-def _planned(manifest: Manifest, agent: str, env: str) -> bool:
-    return agent in manifest.agents and env in manifest.envs
+def _planned(manifest: Manifest, agent: str, task: tuple[str, str]) -> bool:
+    return agent in manifest.agents and task in [planned.key for planned in manifest.tasks]
 
 
 def _merge(folders: Iterable[tuple[Path, list[Row]]]) -> list[Row]:
     """All rows; an episode that several folders hold counts once."""
-    seen: dict[tuple[str, str, int], tuple[Path, Row]] = {}
+    seen: dict[tuple[str, str, str, int, int], tuple[Path, Row]] = {}
     for folder, rows in folders:
         for row in rows:
-            other_folder, other = seen.setdefault((row.agent, row.env, row.seed), (folder, row))
-            if row.without_times() != other.without_times():
+            episode = (row.agent, row.env, row.condition, row.seed, row.repeat)
+            other_folder, other = seen.setdefault(episode, (folder, row))
+            if row.outcome != other.outcome:
                 raise ResultsError(
                     f"{other_folder} and {folder} disagree about agent={row.agent!r} "
-                    f"env={row.env!r} seed={row.seed}: report them one by one"
+                    f"env={row.env!r} condition={row.condition!r} seed={row.seed}: report them "
+                    "one by one"
                 )
     return [row for _, row in seen.values()]
 

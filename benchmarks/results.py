@@ -6,16 +6,19 @@ import json
 import os
 import warnings
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
+from time import perf_counter
 
 from benchmarks.errors import IncompatibleResultsError, ResultsError, ResultsWarning
 from benchmarks.files import locked
 from benchmarks.manifest import FILE_NAME as MANIFEST_NAME
-from benchmarks.manifest import continued, describe, read_manifest
+from benchmarks.manifest import Manifest, continued, describe, read_manifest
 from benchmarks.plan import JobKey, Plan
-from benchmarks.rows import SCHEMA, Row, row_from_record
+from benchmarks.rows import Row, row_from_record
+from benchmarks.schema import READABLE, SCHEMA
 
 ROWS_NAME = "episodes.jsonl"
 
@@ -61,7 +64,14 @@ def open_results(path: Path, plan: Plan, *, resume: bool) -> Iterator[ResultsFol
         IncompatibleResultsError: results of another plan, code or version.
     """
     with locked(path):
-        yield ResultsFolder(path, _begin(path, plan, resume=resume))
+        manifest, rows = _begin(path, plan, resume=resume)
+        start = perf_counter()
+        try:
+            yield ResultsFolder(path, rows)
+        finally:
+            seconds = (manifest.wall_seconds or 0.0) + perf_counter() - start
+            with suppress(OSError):  # the rows matter more than how long they took
+                replace(manifest, wall_seconds=seconds).write(path)
 
 
 def new_folder(parent: Path) -> Path:
@@ -93,7 +103,7 @@ def read_rows(path: Path) -> list[Row]:
     return _unique(path / ROWS_NAME, _parse(path / ROWS_NAME, _read_lines(path / ROWS_NAME)))
 
 
-def _begin(path: Path, plan: Plan, *, resume: bool) -> list[Row]:
+def _begin(path: Path, plan: Plan, *, resume: bool) -> tuple[Manifest, list[Row]]:
     manifest = describe(plan)
     try:
         if any((path / name).exists() for name in (MANIFEST_NAME, ROWS_NAME)):
@@ -109,7 +119,7 @@ def _begin(path: Path, plan: Plan, *, resume: bool) -> list[Row]:
         manifest.write(path)
     except OSError as error:
         raise ResultsError(f"cannot write to {path}: {error}: choose another --out") from error
-    return rows
+    return manifest, rows
 
 
 def _read_lines(file: Path) -> list[bytes]:
@@ -134,10 +144,10 @@ def _parse(file: Path, lines: list[bytes]) -> Iterator[tuple[int, Row]]:
                 )
                 return
             raise ResultsError(f"{file}, line {number}: not JSON: {error}") from error
-        if isinstance(record, dict) and record.get("schema", SCHEMA) != SCHEMA:
+        if isinstance(record, dict) and record.get("schema", SCHEMA) not in READABLE:
             raise IncompatibleResultsError(
-                f"{file}, line {number}: schema must be {SCHEMA}, got {record['schema']!r}: read "
-                "it with the version of this project that wrote it"
+                f"{file}, line {number}: schema must be one of {READABLE}, got "
+                f"{record['schema']!r}: read it with the version of this project that wrote it"
             )
         try:
             yield number, row_from_record(record)

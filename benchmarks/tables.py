@@ -27,7 +27,7 @@ def print_summaries(summaries: Sequence[Summary]) -> None:
     for summary in summaries:
         finished = summary.episodes - summary.errors
         table.add_row(
-            Text(summary.env),
+            Text(summary.env + ("" if summary.condition == "default" else f" {summary.condition}")),
             Text(summary.agent + (" *" if summary.privileged else "")),
             f"{summary.successes}/{finished}",
             _percent(summary.success, summary.success_ci),

@@ -34,7 +34,11 @@ class Trace(NamedTuple):
 
 
 class RolloutSimulator:
-    """The environment's own dynamics, rolled out in parallel (``icd_envs.api.Simulator``)."""
+    """The environment's own dynamics, rolled out in parallel (``icd_envs.api.Simulator``).
+
+    Attributes:
+        model: what is rolled out; may be replaced by one of the same sizes.
+    """
 
     def __init__(
         self,
@@ -52,6 +56,7 @@ class RolloutSimulator:
             threads: rollout threads, at least 1; results do not depend on it.
         """
         self._plant = plant
+        self.model = plant.model
         self._snapshot = snapshot
         self._signed_distance = signed_distance
         self._scratch = [mujoco.MjData(plant.model) for _ in range(threads)]
@@ -115,7 +120,7 @@ class RolloutSimulator:
             state: where every sample begins; not checked.
             actions: (K, H, 3), clipped to [-1, 1].
         """
-        model, scratch = self._plant.model, self._load(state)
+        model, scratch = self.model, self._load(state)
         initial = np.empty(mujoco.mj_stateSize(model, FULL))
         mujoco.mj_getState(model, scratch, initial, FULL)
         warmstart = scratch.qacc_warmstart.copy()
@@ -132,8 +137,8 @@ class RolloutSimulator:
 
     def _load(self, state: SimState) -> mujoco.MjData:
         scratch = self._scratch[0]
-        mujoco.mj_setState(self._plant.model, scratch, state.physics, INTEGRATION)
-        mujoco.mj_kinematics(self._plant.model, scratch)
+        mujoco.mj_setState(self.model, scratch, state.physics, INTEGRATION)
+        mujoco.mj_kinematics(self.model, scratch)
         return scratch
 
     def close(self) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from benchmarks.conditions import TaskSpec
 from benchmarks.episode import run_episode
 from benchmarks.plan import Job, Plan
 from benchmarks.rows import Row
@@ -27,7 +28,7 @@ def make_row(**fields: object) -> Row:
         "message": "",
         "seconds": 1.0,
         "act_seconds": 0.1,
-        "privileged": False,
+        "privileged": "",
     }
     return Row(**{**defaults, **fields})
 
@@ -41,7 +42,7 @@ def run_toys(
     out: Path, *agents: type, n: int = 4, workers: int = 1, **options: object
 ) -> list[Row]:
     """A run of toy agents, without times, in the plan's order."""
-    plan = Plan(tuple(toy.spec(agent) for agent in agents), (toy.ENV,), n, seed=7)
+    plan = Plan(tuple(toy.spec(agent) for agent in agents), (TaskSpec(toy.ENV),), n, seed=7)
     rows = run(plan, out, episodes(workers), workers=workers, **options)
     return in_order(rows)
 

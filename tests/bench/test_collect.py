@@ -89,7 +89,7 @@ def test_watch_sees_every_new_row_and_knows_the_old(tmp_path: Path, quick: list[
         ({"noisy": False}, "noisy: True there"),
         ({"seed": 6}, "seed: 5 there"),
         ({"shard_episodes": 3}, "shard_episodes: 2 there"),
-        ({"episodes": 4}, "episodes=5 there"),
+        ({"episodes": 4}, "episodes=5 there is not"),
     ],
 )
 def test_another_header_is_refused_and_nothing_changes(

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.conditions import TaskSpec
 from benchmarks.errors import ResultsError
 from benchmarks.plan import Plan
 from benchmarks.report import report, summarise
@@ -16,6 +17,7 @@ from tests.bench.making import make_row
 KEYS = [
     "agent",
     "env",
+    "condition",
     "episodes",
     "errors",
     "success",
@@ -26,7 +28,7 @@ KEYS = [
 
 
 def save(folder: Path, rows: list[Row], *, seed: int = 0, agents: tuple[str, ...] = ("a",)) -> Path:
-    with open_results(folder, Plan(agents, ("E-v0",), 4, seed), resume=False) as results:
+    with open_results(folder, Plan(agents, (TaskSpec("E-v0"),), 4, seed), resume=False) as results:
         for row in rows:
             results.append(row)
     return folder
@@ -40,7 +42,7 @@ def test_record_has_exactly_the_promised_keys_and_counts() -> None:
         make_row(complete=0.0),
         make_row(status="error", complete=0.0, message="boom"),
     ]
-    summary = summarise("a", "E-v0", rows)
+    summary = summarise("a", "E-v0", "default", rows)
     record = summary.record()
     assert list(record) == KEYS
     assert (record["episodes"], record["errors"]) == (5, 1)
@@ -63,7 +65,7 @@ def test_record_has_exactly_the_promised_keys_and_counts() -> None:
 def test_extremes_have_a_table(
     rows: list[Row], success: float | None, complete: float | None, capsys: pytest.CaptureFixture
 ) -> None:
-    summary = summarise("a", "E-v0", rows)
+    summary = summarise("a", "E-v0", "default", rows)
     assert (summary.success, summary.complete) == (success, complete)
     for interval in (summary.success_ci, summary.complete_ci):
         assert interval is None if success is None else 0 <= interval.low < interval.high <= 1
@@ -87,7 +89,7 @@ def test_folders_are_joined_by_episode_not_by_number(tmp_path: Path) -> None:
 def test_folders_that_disagree_are_refused(tmp_path: Path) -> None:
     first = save(tmp_path / "1", [make_row(seed=1)])
     second = save(tmp_path / "2", [make_row(seed=1, success=True)])
-    with pytest.raises(ResultsError, match="disagree about agent='a' env='E-v0' seed=1"):
+    with pytest.raises(ResultsError, match=r"disagree about agent='a' env='E-v0' .* seed=1"):
         report([first, second])
 
 
@@ -98,13 +100,15 @@ def test_folder_without_results_is_refused(tmp_path: Path) -> None:
 
 def test_table_shows_counts_intervals_and_privilege(capsys: pytest.CaptureFixture) -> None:
     rows = [make_row(success=i < 7, complete=float(i < 7)) for i in range(20)]
-    honest = summarise("honest", "E-v0", rows)
+    honest = summarise("honest", "E-v0", "default", rows)
     print_summaries([honest])
     out = capsys.readouterr().out
     assert "7/20" in out
     assert "35.0 % [18.1, 56.7]" in out
     assert FOOTNOTE not in out
-    print_summaries([honest, summarise("planner", "E-v0", [make_row(privileged=True)])])
+    print_summaries(
+        [honest, summarise("planner", "E-v0", "default", [make_row(privileged="simulator")])]
+    )
     out = capsys.readouterr().out
     assert "planner *" in out
     assert "honest *" not in out
@@ -112,5 +116,5 @@ def test_table_shows_counts_intervals_and_privilege(capsys: pytest.CaptureFixtur
 
 
 def test_names_are_text_not_markup(capsys: pytest.CaptureFixture) -> None:
-    print_summaries([summarise("[bold]x[/bold] [/]", "E-v0", [])])
+    print_summaries([summarise("[bold]x[/bold] [/]", "E-v0", "default", [])])
     assert "[bold]x[/bold] [/]" in capsys.readouterr().out

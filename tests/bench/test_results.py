@@ -1,13 +1,19 @@
 """Lines, manifests and locks of a results folder."""
 
+import contextlib
 import dataclasses
 import json
 import re
+import time
+import warnings
 from pathlib import Path
 
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from benchmarks import manifest as manifests
+from benchmarks.conditions import TaskSpec
 from benchmarks.errors import IncompatibleResultsError, ResultsError, ResultsWarning
 from benchmarks.manifest import continued, describe, read_manifest
 from benchmarks.plan import Plan
@@ -15,7 +21,7 @@ from benchmarks.results import ROWS_NAME, new_folder, open_results, read_rows
 from benchmarks.rows import row_from_record
 from tests.bench.making import make_row
 
-PLAN = Plan(agents=("a",), envs=("E-v0",), episodes=3)
+PLAN = Plan(agents=("a",), tasks=(TaskSpec("E-v0"),), episodes=3)
 LINES = [make_row(index=index).to_line() for index in range(3)]
 
 
@@ -35,7 +41,7 @@ def test_rows_survive_the_file(tmp_path: Path) -> None:
 
 
 def test_every_row_carries_the_schema(tmp_path: Path) -> None:
-    assert json.loads(LINES[0])["schema"] == 1
+    assert json.loads(LINES[0])["schema"] == 2
     assert row_from_record(json.loads(LINES[0])) == make_row(index=0)
 
 
@@ -83,9 +89,11 @@ def test_garbage_in_the_middle_is_an_error_naming_the_line(
         read_rows(tmp_path)
 
 
-def test_rows_of_another_schema_are_incompatible(tmp_path: Path) -> None:
-    write(tmp_path, LINES[0].replace('"schema": 1', '"schema": 2'))
-    with pytest.raises(IncompatibleResultsError, match="line 1: schema must be 1, got 2"):
+def test_rows_of_an_unknown_schema_are_incompatible(tmp_path: Path) -> None:
+    write(tmp_path, LINES[0].replace('"schema": 2', '"schema": 3'))
+    with pytest.raises(
+        IncompatibleResultsError, match=r"line 1: schema must be one of \(1, 2\), got 3"
+    ):
         read_rows(tmp_path)
 
 
@@ -150,7 +158,7 @@ def test_manifest_survives_the_file_and_names_versions(tmp_path: Path) -> None:
 def test_resume_may_extend_the_plan(tmp_path: Path) -> None:
     with open_results(tmp_path, PLAN, resume=False):
         created = read_manifest(tmp_path).created
-    larger = Plan(agents=("b", "a"), envs=("E-v0", "F-v0"), episodes=4)
+    larger = Plan(agents=("b", "a"), tasks=(TaskSpec("E-v0"), TaskSpec("F-v0")), episodes=4)
     with open_results(tmp_path, larger, resume=True):
         assert read_manifest(tmp_path).plan == larger
         assert read_manifest(tmp_path).created == created
@@ -159,10 +167,10 @@ def test_resume_may_extend_the_plan(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "plan",
     [
-        Plan(("a",), ("E-v0",), 3, seed=1),
-        Plan(("a",), ("E-v0",), 2),
-        Plan(("b",), ("E-v0",), 3),
-        Plan(("a",), ("F-v0",), 3),
+        Plan(("a",), (TaskSpec("E-v0"),), 3, seed=1),
+        Plan(("a",), (TaskSpec("E-v0"),), 2),
+        Plan(("b",), (TaskSpec("E-v0"),), 3),
+        Plan(("a",), (TaskSpec("F-v0"),), 3),
     ],
 )
 def test_resume_refuses_another_plan(tmp_path: Path, plan: Plan) -> None:
@@ -196,3 +204,33 @@ def test_manifest_of_another_schema_is_incompatible(tmp_path: Path) -> None:
     (tmp_path / manifests.FILE_NAME).write_text('{"schema": 99}')
     with pytest.raises(IncompatibleResultsError, match="got 99"):
         read_manifest(tmp_path)
+
+
+@given(st.binary(max_size=40), st.integers(0, 300), st.integers(0, 300))
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_damaged_files_are_rows_or_a_typed_error(
+    tmp_path: Path, noise: bytes, cut: int, lost: int
+) -> None:
+    whole = "".join(LINES).encode()
+    damaged = whole[:cut] + noise + whole[cut + lost :]
+    (tmp_path / ROWS_NAME).write_bytes(damaged)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ResultsWarning)
+        try:
+            rows = read_rows(tmp_path)
+        except ResultsError:
+            return
+    assert len(rows) <= damaged.count(b"\n") + 1
+    assert all(row == row_from_record(json.loads(row.to_line())) for row in rows)
+
+
+def test_manifest_counts_the_time_of_all_runs(tmp_path: Path) -> None:
+    with open_results(tmp_path, PLAN, resume=False):
+        assert read_manifest(tmp_path).wall_seconds == 0.0
+        time.sleep(0.02)
+    first = read_manifest(tmp_path).wall_seconds
+    assert 0.02 <= first < 2.0
+    with contextlib.suppress(KeyboardInterrupt), open_results(tmp_path, PLAN, resume=True):
+        time.sleep(0.02)
+        raise KeyboardInterrupt
+    assert read_manifest(tmp_path).wall_seconds >= first + 0.02

@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 
-from benchmarks.plan import Plan
+from benchmarks.conditions import Condition, TaskSpec, make_env
+from benchmarks.plan import Plan, plan_suite
 from benchmarks.suites import SUITES, episode_seed, find_suite
 from icd_envs.errors import InvalidOptionError
+from icd_envs.registration import ENV_IDS
 
 
 def test_seed_follows_the_documented_law() -> None:
@@ -22,32 +24,33 @@ def test_seeds_differ_and_are_valid() -> None:
 
 
 def test_seed_is_the_same_for_every_agent_and_plan_size() -> None:
-    small = Plan(agents=("a",), envs=("E-v0",), episodes=2, seed=5)
-    large = Plan(agents=("b", "a"), envs=("F-v0", "E-v0"), episodes=4, seed=5)
+    small = Plan(agents=("a",), tasks=(TaskSpec("E-v0"),), episodes=2, seed=5)
+    large = Plan(agents=("b", "a"), tasks=(TaskSpec("F-v0"), TaskSpec("E-v0")), episodes=4, seed=5)
     seeds = {job.key: job.seed for job in large.jobs()}
     assert len(seeds) == 16
     assert all(seeds[job.key] == job.seed for job in small.jobs())
-    assert seeds["a", "E-v0", 1] == seeds["b", "E-v0", 1] != seeds["a", "F-v0", 1]
+    mine = {(agent, env): seeds[agent, env, "default", 1, 0] for agent, env, *_ in seeds}
+    assert mine["a", "E-v0"] == mine["b", "E-v0"] != mine["a", "F-v0"]
 
 
 def test_agents_take_turns() -> None:
-    jobs = Plan(agents=("a", "b"), envs=("E-v0",), episodes=2).jobs()
+    jobs = Plan(agents=("a", "b"), tasks=(TaskSpec("E-v0"),), episodes=2).jobs()
     assert [(job.agent, job.index) for job in jobs] == [("a", 0), ("b", 0), ("a", 1), ("b", 1)]
 
 
 @pytest.mark.parametrize(
     ("plan", "extends"),
     [
-        (Plan(("a",), ("E",), 2), True),
-        (Plan(("b", "a"), ("E", "F"), 3), True),
-        (Plan(("a",), ("E",), 1), False),
-        (Plan(("b",), ("E",), 2), False),
-        (Plan(("a",), ("F",), 2), False),
-        (Plan(("a",), ("E",), 2, seed=1), False),
+        (Plan(("a",), (TaskSpec("E"),), 2), True),
+        (Plan(("b", "a"), (TaskSpec("E"), TaskSpec("F")), 3), True),
+        (Plan(("a",), (TaskSpec("E"),), 1), False),
+        (Plan(("b",), (TaskSpec("E"),), 2), False),
+        (Plan(("a",), (TaskSpec("F"),), 2), False),
+        (Plan(("a",), (TaskSpec("E"),), 2, seed=1), False),
     ],
 )
 def test_plan_extends_only_supersets(plan: Plan, extends: bool) -> None:
-    assert plan.extends(Plan(("a",), ("E",), 2)) is extends
+    assert plan.extends(Plan(("a",), (TaskSpec("E"),), 2)) is extends
 
 
 @pytest.mark.parametrize(
@@ -56,17 +59,65 @@ def test_plan_extends_only_supersets(plan: Plan, extends: bool) -> None:
         {"episodes": 0},
         {"seed": -1},
         {"agents": ("a", "a")},
-        {"envs": ()},
+        {"tasks": ()},
     ],
 )
 def test_plan_refuses_nonsense(fields: dict[str, object]) -> None:
     with pytest.raises(InvalidOptionError, match=next(iter(fields))):
-        Plan(**{"agents": ("a",), "envs": ("E",), "episodes": 1, **fields})
+        Plan(**{"agents": ("a",), "tasks": (TaskSpec("E"),), "episodes": 1, **fields})
 
 
 def test_suites_are_versioned_and_found_by_name() -> None:
     assert find_suite("smoke").episodes == 1
-    assert find_suite("quick").episodes == 10
-    assert all(suite.version >= 1 and suite.env_ids for suite in SUITES.values())
+    assert find_suite("paper").description == "3 tasks x 10 cases x 2 seeds"
+    assert all(suite.version >= 1 and suite.tasks for suite in SUITES.values())
     with pytest.raises(InvalidOptionError, match="did you mean 'quick'"):
         find_suite("quik")
+
+
+def test_repeats_meet_the_same_scenes_with_another_seed_of_the_agent() -> None:
+    once = Plan(("a",), (TaskSpec("E-v0"),), 3)
+    jobs = Plan(("a",), (TaskSpec("E-v0"),), 3, repeats=2).jobs()
+    assert jobs[:3] == once.jobs()
+    assert [job.seed for job in jobs[3:]] == [job.seed for job in jobs[:3]]
+    assert all(job.agent_seed == job.seed for job in jobs[:3])
+    assert len({job.agent_seed for job in jobs}) == 6
+
+
+def test_conditions_share_scenes() -> None:
+    noisy = TaskSpec("E-v0", Condition("noisy", action_noise=0.1))
+    plain, shaken = Plan(("a",), (TaskSpec("E-v0"), noisy), 1).jobs()
+    assert plain.seed == shaken.seed
+    assert plain.key != shaken.key
+
+
+def test_parts_of_a_suite_lose_its_name() -> None:
+    suite = find_suite("quick")
+    assert plan_suite(suite, ["a", "a"]).suite == suite.title
+    assert plan_suite(suite, ["a"], episodes=suite.episodes).suite == suite.title
+    part = plan_suite(suite, ["a"], envs=[suite.tasks[1].env, "Own-v0"], episodes=2)
+    assert (part.suite, part.tasks) == ("", (suite.tasks[1], TaskSpec("Own-v0")))
+
+
+def test_every_task_of_every_suite_can_be_made() -> None:
+    tasks = dict.fromkeys(task for suite in SUITES.values() for task in suite.tasks)
+    assert {task.env for task in tasks} == set(ENV_IDS)
+    for task in tasks:
+        env = make_env(task)
+        assert env.spec is not None
+        assert env.spec.id == task.env
+
+
+def test_robust_names_every_condition_of_its_promise() -> None:
+    tasks = find_suite("robust").tasks
+    fixtures = {dict(task.condition.options).get("num_fixtures", 2) for task in tasks}
+    cables = {dict(task.condition.options).get("cable", "default") for task in tasks}
+    assert fixtures == {1, 2, 3, 4}
+    assert cables == {"default", "charging", "ethernet", "rope"}
+    for env in {task.env for task in tasks}:
+        conditions = {task.condition for task in tasks if task.env == env}
+        assert Condition() in conditions
+        assert any(condition.action_noise for condition in conditions)
+        assert any(condition.observation_noise for condition in conditions)
+        assert any(condition.planner_mass != 1.0 for condition in conditions)
+        assert any(("obs_mode", "partial") in condition.options for condition in conditions)

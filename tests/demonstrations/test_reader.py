@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.conditions import TaskSpec
 from benchmarks.plan import Plan
 from icd_envs.demonstrations import Demonstrations, demonstrate
 from icd_envs.demonstrations.header import FILE_NAME, shard_path
@@ -34,7 +35,7 @@ def demonstrations(folder: Path) -> Demonstrations:
 
 def test_episodes_are_those_of_the_seeds(demonstrations: Demonstrations) -> None:
     assert len(demonstrations) == 3
-    seeds = [job.seed for job in Plan(("expert-noisy",), (CABLE,), 3, seed=5).jobs()]
+    seeds = [job.seed for job in Plan(("expert-noisy",), (TaskSpec(CABLE),), 3, seed=5).jobs()]
     assert demonstrations.seeds.tolist() == seeds
     for episode, seed in zip(demonstrations, seeds, strict=True):
         shown = demonstrate(CABLE, seed=seed, noisy=True)

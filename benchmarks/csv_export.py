@@ -1,0 +1,19 @@
+"""Rows for spreadsheets and data frames."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable
+from dataclasses import asdict, fields
+
+from benchmarks.rows import Row
+
+
+def to_csv(rows: Iterable[Row]) -> str:
+    """A header and one line per row, with the fields of ``Row``; None is an empty cell."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, [field.name for field in fields(Row)], lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(map(asdict, rows))
+    return text.getvalue()

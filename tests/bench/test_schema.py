@@ -1,0 +1,45 @@
+"""Rows and manifests of older schemas, on the files that were published with them."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from benchmarks.conditions import TaskSpec
+from benchmarks.manifest import FILE_NAME, read_manifest
+from benchmarks.results import ROWS_NAME, read_rows
+from benchmarks.schema import SCHEMA
+
+PUBLISHED = Path(__file__).parents[2] / "benchmarks" / "published"
+FOLDERS = sorted(path.parent for path in PUBLISHED.rglob(FILE_NAME))
+ADDED = {"condition": "default", "repeat": 0, "buffer_overflows": None}
+
+
+@pytest.mark.parametrize("folder", FOLDERS, ids=lambda path: path.name)
+def test_published_rows_are_read_without_loss(folder: Path) -> None:
+    lines = (folder / ROWS_NAME).read_text(encoding="utf-8").splitlines()
+    rows = read_rows(folder)
+    assert len(rows) == len(lines) > 0
+    for line, row in zip(lines, rows, strict=True):
+        record = json.loads(line)
+        if record["schema"] == 1:
+            privileged = "unspecified" if record["privileged"] else ""
+            record = {**record, **ADDED, "privileged": privileged, "schema": SCHEMA}
+        assert json.loads(row.to_line()) == record
+
+
+@pytest.mark.parametrize("folder", FOLDERS, ids=lambda path: path.name)
+def test_published_manifests_describe_their_rows(folder: Path) -> None:
+    manifest = read_manifest(folder)
+    assert manifest.mixed == ()
+    planned = {job.key: job.seed for job in manifest.plan.jobs()}
+    assert {row.key: row.seed for row in read_rows(folder)} == planned
+
+
+def test_there_is_a_manifest_of_the_first_schema() -> None:
+    folder = PUBLISHED / "references-ICDCableRouting-v0"
+    assert json.loads((folder / FILE_NAME).read_text(encoding="utf-8"))["schema"] == 1
+    manifest = read_manifest(folder)
+    assert manifest.schema == SCHEMA
+    assert manifest.tasks == (TaskSpec("ICDCableRouting-v0"),)
+    assert (manifest.repeats, manifest.wall_seconds) == (1, None)
