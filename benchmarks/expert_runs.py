@@ -8,6 +8,7 @@ from functools import partial
 from time import perf_counter
 from typing import Literal, NamedTuple
 
+from benchmarks.conditions import DEFAULT, Condition
 from benchmarks.plan import Job
 from benchmarks.rows import Row, error_row
 from benchmarks.runner import Work
@@ -31,12 +32,14 @@ class ExpertRuns:
         split: stream of scenes.
         noisy: with the noise and detours of the training data.
         episodes: how many.
+        condition: what the task is put under.
     """
 
     agent: str
     split: Literal["train", "test"]
     noisy: bool
     episodes: int
+    condition: Condition = DEFAULT
 
     def work(self, workers: int) -> Work:
         """What does one of its jobs."""
@@ -50,10 +53,12 @@ class CopiedGoals:
     Attributes:
         agent: name in rows and folders.
         episodes: how many.
+        condition: what the task is put under.
     """
 
     agent: str
     episodes: int
+    condition: Condition = DEFAULT
 
     def work(self, workers: int) -> Work:
         """What does one of its jobs."""
@@ -67,10 +72,12 @@ class RoutesAll:
     Attributes:
         agent: name in rows and folders.
         episodes: how many.
+        condition: what the task is put under.
     """
 
     agent: str
     episodes: int
+    condition: Condition = DEFAULT
 
     def work(self, workers: int) -> Work:
         """What does one of its jobs."""
@@ -130,7 +137,8 @@ def _route_all(job: Job) -> Outcome:
     from icd_envs.tasks.base import run_expert
     from icd_envs.tasks.problem import draw_problem, matched_parts, scene_rng
 
-    task = replace(find_task(job.env), goals="contact")  # type: ignore[type-var]
+    options = dict(job.condition.options)
+    task = replace(find_task(job.env), **options)  # type: ignore[type-var]
     problem = draw_problem(task, scene_rng("test", job.seed), job.seed)
     routed = replace(problem.scene, contacts=ROUTED * len(problem.scene.clips))
     shown = run_expert(task, routed, problem.plant, task.make_expert(routed))

@@ -7,12 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from benchmarks.conditions import TaskSpec
+from benchmarks.conditions import DEFAULT, Condition, TaskSpec
 from benchmarks.expert_runs import CopiedGoals, ExpertRuns, RoutesAll
 from benchmarks.plan import Plan
 from benchmarks.registry import agent_factory, check_env_id
 from benchmarks.rows import Row
 from benchmarks.runner import Watch, Work, episodes, run
+from benchmarks.suites import CONTACT_GOALS
 from icd_envs.errors import InvalidOptionError, unknown_name
 
 Bound = float | tuple[float, float]
@@ -25,10 +26,12 @@ class AgentRuns:
     Attributes:
         agent: its name.
         episodes: how many.
+        condition: what the task is put under.
     """
 
     agent: str
     episodes: int
+    condition: Condition = DEFAULT
 
     def work(self, workers: int) -> Work:
         """What does one of its jobs; an agent that cannot be imported is an error here."""
@@ -95,7 +98,15 @@ _COMMON = (
         0,
     ),
 )
-_CONTACT = (Gate("contact_routes_all", RoutesAll("expert-routes-all", 200), "success", "<=", 0.40),)
+_CONTACT = (
+    Gate(
+        "contact_routes_all",
+        RoutesAll("expert-routes-all", 200, CONTACT_GOALS),
+        "success",
+        "<=",
+        0.40,
+    ),
+)
 _ADAPTATION = (
     Gate("expert_success", _EXPERT, "success", ">=", 0.85),
     Gate("copied_goal_success", CopiedGoals("goal-copied", 200), "success", "<=", 0.50),
@@ -168,7 +179,7 @@ def run_gates(
     works = {source: source.work(workers) for source in dict.fromkeys(g.source for g in gates)}
     rows = {
         source: run(
-            Plan((source.agent,), (TaskSpec(env_id),), source.episodes),
+            Plan((source.agent,), (TaskSpec(env_id, source.condition),), source.episodes),
             out / "rows" / source.agent.replace(":", "-"),
             work,
             workers=workers,

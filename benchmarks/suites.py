@@ -22,6 +22,7 @@ NOTEBOOK_ADAPTATION: Final = "ICDNotebookFoldingAdaptation-v0"
 TASKS: Final = tuple(map(TaskSpec, (CABLE, NOTEBOOK, CABLE_ADAPTATION, NOTEBOOK_ADAPTATION)))
 PAPER_TASKS: Final = tuple(map(TaskSpec, (CABLE, NOTEBOOK, CABLE_ADAPTATION)))
 
+CONTACT_GOALS: Final = Condition("contact goals", (("goals", "contact"),))
 _PARTIAL: Final = Condition("partial view", (("obs_mode", "partial"),))
 _ACTION_NOISE: Final = Condition("action noise", action_noise=0.2)
 _OBSERVATION_NOISE: Final = Condition("observation noise", observation_noise=0.005)
@@ -33,7 +34,7 @@ ROBUST_TASKS: Final = tuple(
     for env, conditions in {
         CABLE: (
             DEFAULT,
-            Condition("contact goals", (("goals", "contact"),)),
+            CONTACT_GOALS,
             _PARTIAL,
             _ACTION_NOISE,
             _OBSERVATION_NOISE,
