@@ -167,6 +167,10 @@ def collect(
         int | None,
         typer.Option(min=1, help="Longest episode.", show_default="the environment's budget"),
     ] = None,
+    option: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME=VALUE", help="Of the task, e.g. goals=contact; repeatable."),
+    ] = None,
     resume: Annotated[bool, typer.Option(help="Go on with what is in --out.")] = True,
     minari: Annotated[
         str | None, typer.Option(metavar="ID", help="Then make a Minari dataset of this id.")
@@ -181,7 +185,9 @@ def collect(
         try:
             with redirect_stdout(sys.stderr):
                 values = collect_command.collect_and_export(
-                    collect_command.make_header(env, episodes, seed=seed, steps=steps),
+                    collect_command.make_header(
+                        env, episodes, seed=seed, steps=steps, options=option or ()
+                    ),
                     out,
                     workers=workers,
                     resume=resume,

@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import Final, NamedTuple
 
-from benchmarks.conditions import TaskSpec
+from benchmarks.conditions import DEFAULT, Condition, TaskSpec
 from benchmarks.errors import IncompatibleResultsError, ResultsError
 from benchmarks.executors import execute
 from benchmarks.files import locked, write_atomically
@@ -18,6 +18,7 @@ from benchmarks.plan import Job, Plan
 from benchmarks.results import ROWS_NAME
 from benchmarks.rows import Row
 from benchmarks.runner import Watch, unwatched
+from icd_envs.demonstrations import find_task
 from icd_envs.demonstrations.header import FILE_NAME, Header, read_header, shard_path
 from icd_envs.demonstrations.recording import record
 from icd_envs.demonstrations.shard import Arrays, encode, read_shard
@@ -66,7 +67,11 @@ def collect(
         DemonstrationsError: a shard in it is damaged.
         IncompatibleResultsError: it has episodes of another header, code or version.
     """
-    plan = Plan((AGENT,), (TaskSpec(header.env_id),), header.episodes, header.seed)
+    condition = DEFAULT
+    if header.options:
+        name = ", ".join(f"{name}={value}" for name, value in header.options.items())
+        condition = Condition(name, tuple(header.options.items()))
+    plan = Plan((AGENT,), (TaskSpec(header.env_id, condition),), header.episodes, header.seed)
     jobs = plan.jobs()
     shards = [Shard(k, [jobs[i] for i in header.indices(k)]) for k in range(header.shards)]
     with locked(out):
@@ -91,9 +96,10 @@ def collect(
 
 
 def _record(header: Header, shard: Shard) -> Recorded:
+    task = find_task(header.env_id, header.options)
     recordings = [
         record(
-            header.env_id,
+            task,
             seed=job.seed,
             steps=header.steps,
             split=header.split,
@@ -168,6 +174,7 @@ def _rows(jobs: Sequence[Job], arrays: Arrays) -> list[Row]:
             env=job.env,
             index=job.index,
             seed=job.seed,
+            condition=job.condition.name,
             status="ok",
             success=bool(arrays["success"][i]),
             complete=0.0 if arrays["diverged"][i] else float(arrays["solved"][ends[i]].mean()),

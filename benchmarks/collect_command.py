@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from time import perf_counter
 
@@ -15,16 +15,35 @@ from icd_envs.errors import InvalidOptionError
 Values = dict[str, int | float | str]
 
 
-def make_header(env_id: str, episodes: int, *, seed: int, steps: int | None) -> Header:
+def make_header(
+    env_id: str, episodes: int, *, seed: int, steps: int | None, options: Sequence[str] = ()
+) -> Header:
     """What to record.
 
+    Args:
+        env_id: the environment.
+        episodes: in all.
+        seed: base seed.
+        steps: longest episode; None is the task's budget.
+        options: of the task, each as ``name=value``.
+
     Raises:
-        InvalidOptionError: unknown environment, or more steps than its budget.
+        InvalidOptionError: unknown environment or option, or more steps than its budget.
     """
-    budget = find_task(env_id).max_steps
+    values = dict(map(_parse_option, options))
+    budget = find_task(env_id, values).max_steps
     if steps is not None and not 1 <= steps <= budget:
         raise InvalidOptionError(f"steps must be in [1, {budget}] for {env_id}, got {steps}")
-    return Header(env_id=env_id, seed=seed, steps=steps or budget, episodes=episodes)
+    return Header(
+        env_id=env_id, options=values, seed=seed, steps=steps or budget, episodes=episodes
+    )
+
+
+def _parse_option(text: str) -> tuple[str, int | str]:
+    name, equals, value = text.partition("=")
+    if not (name and equals and value):
+        raise InvalidOptionError(f"--option must be name=value, got {text!r}: e.g. goals=contact")
+    return name, int(value) if value.isdecimal() else value
 
 
 def collect_and_export(

@@ -137,8 +137,7 @@ def _route_all(job: Job) -> Outcome:
     from icd_envs.tasks.base import run_expert
     from icd_envs.tasks.problem import draw_problem, matched_parts, scene_rng
 
-    options = dict(job.condition.options)
-    task = replace(find_task(job.env), **options)  # type: ignore[type-var]
+    task = find_task(job.env, dict(job.condition.options))
     problem = draw_problem(task, scene_rng("test", job.seed), job.seed)
     routed = replace(problem.scene, contacts=ROUTED * len(problem.scene.clips))
     shown = run_expert(task, routed, problem.plant, task.make_expert(routed))

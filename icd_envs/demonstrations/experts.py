@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from types import MappingProxyType
+from typing import Final
+
 from icd_envs.errors import InvalidOptionError, unknown_name
 from icd_envs.tasks.base import Demonstration, SceneT, Task, run_expert
 from icd_envs.tasks.cable_routing import CableRouting, CableRoutingAdaptation
@@ -19,15 +24,27 @@ TASKS: dict[str, Task] = {  # type: ignore[type-arg]
 }
 
 
-def find_task(env_id: str) -> Task:  # type: ignore[type-arg]
+NO_OPTIONS: Final[Mapping[str, object]] = MappingProxyType({})
+
+
+def find_task(env_id: str, options: Mapping[str, object] = NO_OPTIONS) -> Task:  # type: ignore[type-arg]
     """The task behind an environment.
 
+    Args:
+        env_id: of the environment.
+        options: arguments of ``gymnasium.make`` that change scenes and goals, by name.
+
     Raises:
-        InvalidOptionError: if there is none of that id.
+        InvalidOptionError: on an unknown id or option, or a value that an option cannot take.
     """
     if env_id not in TASKS:
         raise InvalidOptionError(unknown_name("environment id", env_id, TASKS))
-    return TASKS[env_id]
+    task = TASKS[env_id]
+    known = tuple(field.name for field in fields(task))  # type: ignore[arg-type]
+    for name in options:
+        if name not in known:
+            raise InvalidOptionError(unknown_name(f"option of the task {env_id}:", name, known))
+    return replace(task, **options)  # type: ignore[type-var]
 
 
 def demonstrate(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Final
 
@@ -24,6 +24,7 @@ class Header:
     Attributes:
         format: version of header and shards.
         env_id: whose expert acted.
+        options: arguments of ``gymnasium.make`` that the task was given, by name.
         split: which scenes.
         noisy: with action noise, varying speed and deliberate faults.
         seed: base seed; every episode has a seed of its own, kept in its shard.
@@ -34,6 +35,7 @@ class Header:
 
     format: int = FORMAT
     env_id: str
+    options: dict[str, int | str] = field(default_factory=dict)
     split: Split = "train"
     noisy: bool = True
     seed: int
@@ -43,18 +45,24 @@ class Header:
 
     def __post_init__(self) -> None:
         """Refuse values that no folder can have."""
-        for field in ("env_id", "split"):
-            if type(getattr(self, field)) is not str:
-                raise DemonstrationsError(f"{field} must be text, got {getattr(self, field)!r}")
+        for name in ("env_id", "split"):
+            if type(getattr(self, name)) is not str:
+                raise DemonstrationsError(f"{name} must be text, got {getattr(self, name)!r}")
+        if type(self.options) is not dict or not all(
+            type(name) is str and type(value) in (int, str) for name, value in self.options.items()
+        ):
+            raise DemonstrationsError(
+                f"options must be integers or texts by name, got {self.options!r}"
+            )
         if self.split not in SPLITS or type(self.noisy) is not bool:
             raise DemonstrationsError(
                 f"split must be one of {SPLITS} and noisy a bool, got {self.split!r}, "
                 f"{self.noisy!r}"
             )
-        for field, least in (("seed", 0), ("steps", 1), ("episodes", 1), ("shard_episodes", 1)):
-            value = getattr(self, field)
+        for name, least in (("seed", 0), ("steps", 1), ("episodes", 1), ("shard_episodes", 1)):
+            value = getattr(self, name)
             if type(value) is not int or value < least:
-                raise DemonstrationsError(f"{field} must be an integer >= {least}, got {value!r}")
+                raise DemonstrationsError(f"{name} must be an integer >= {least}, got {value!r}")
 
     @property
     def shards(self) -> int:
@@ -92,7 +100,7 @@ def read_header(folder: Path) -> Header:
         ) from error
     except (OSError, ValueError) as error:
         raise DemonstrationsError(f"cannot read {path}: {error}") from error
-    names = {field.name for field in fields(Header)}
+    names = {known.name for known in fields(Header)}
     if not isinstance(record, dict) or set(record) != names:
         raise DemonstrationsError(f"{path} is not a header: it must have the keys {sorted(names)}")
     if record["format"] != FORMAT:

@@ -97,7 +97,8 @@ def export(
     from minari.namespace import create_namespace, list_local_namespaces
 
     header = demonstrations.header
-    env = gym.make(header.env_id, split=header.split)
+    options: dict[str, Any] = {"split": header.split, **header.options}
+    env = gym.make(header.env_id, **options)
     try:
         namespace = parse_dataset_id(dataset_id)[0]
         _made(path.parent)

@@ -124,7 +124,7 @@ class Demonstrations:
             for name, array in whole.items()
             if name.startswith(PARAMETER)
         }
-        self._task: Task[Any] = find_task(self.header.env_id)
+        self._task: Task[Any] = find_task(self.header.env_id, self.header.options)
 
     def __len__(self) -> int:
         """Number of episodes."""

@@ -4,23 +4,21 @@ from __future__ import annotations
 
 import numpy as np
 
-from icd_envs.demonstrations.experts import find_task
 from icd_envs.demonstrations.shard import Recording
-from icd_envs.tasks.base import run_expert
+from icd_envs.tasks.base import SceneT, Task, run_expert
 from icd_envs.tasks.problem import Split, scene_rng
 
 
-def record(env_id: str, *, seed: int, steps: int, split: Split, noisy: bool) -> Recording:
+def record(task: Task[SceneT], *, seed: int, steps: int, split: Split, noisy: bool) -> Recording:
     """Let the scripted expert act in a raw scene, solvable or not, without making a goal.
 
     Args:
-        env_id: which environment.
+        task: which one, with its options.
         seed: fixes the scene and every draw of the expert.
         steps: control steps at most; the episode ends earlier once success has held.
         split: which scenes.
         noisy: with action noise, varying speed and deliberate faults.
     """
-    task = find_task(env_id)
     rng = scene_rng(split, seed)
     scene = task.draw_scenes(rng).scene
     plant = task.make_plant(scene)

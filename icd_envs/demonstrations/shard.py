@@ -23,6 +23,8 @@ Arrays = dict[str, NDArray[Any]]
 
 PARAMETER: Final = "parameter_"
 """Prefix of a scene parameter's name in a shard."""
+NAMES: Final = "names_of_parameters"
+"""Array of these names: a zip whose directory is damaged can lose a whole array without a word."""
 
 FIELDS: Final[dict[str, tuple[str, Literal["episode", "step", "state"], tuple[int, ...]]]] = {
     "seeds": ("<i8", "episode", ()),
@@ -83,6 +85,7 @@ def encode(recordings: Sequence[Recording]) -> bytes:
         "actions": np.concatenate([r.actions for r in recordings]),
     }
     arrays = {name: array.astype(FIELDS[name][0]) for name, array in arrays.items()}
+    arrays[NAMES] = np.array([name.encode() for name in recordings[0].parameters])
     for name in recordings[0].parameters:
         stacked = np.stack([r.parameters[name] for r in recordings])
         arrays[PARAMETER + name] = stacked.astype("<f8")
@@ -115,8 +118,11 @@ def read_shard(path: Path) -> Arrays:
 
 def _mistake(arrays: Arrays) -> str:
     """What is wrong with a shard's arrays, or nothing."""
-    parameters = {name for name in arrays if name.startswith(PARAMETER)}
-    if different := set(FIELDS) ^ (set(arrays) - parameters):
+    names = arrays.get(NAMES, np.empty(0, "|S1"))
+    if names.ndim != 1 or names.dtype.kind != "S":
+        return f"{NAMES} has shape {names.shape} and type {names.dtype}"
+    parameters = {PARAMETER + name.decode("ascii", "replace") for name in names}
+    if different := {*FIELDS, NAMES, *parameters} ^ set(arrays):
         return f"missing or unknown arrays: {', '.join(sorted(different))}"
     lengths = arrays["lengths"]
     if lengths.ndim != 1 or lengths.dtype != "<i4" or np.any(lengths < 0):

@@ -24,7 +24,7 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """No physics; the seeds that were recorded."""
     seeds: list[int] = []
 
-    def record(env_id: str, *, seed: int, steps: int, split: str, noisy: bool) -> Recording:
+    def record(task: object, *, seed: int, steps: int, split: str, noisy: bool) -> Recording:
         seeds.append(seed)
         return make_recording(steps, seed)
 

@@ -32,6 +32,13 @@ def test_collect_prints_what_there_is_and_goes_on(tmp_path: Path) -> None:
     assert (other.exit_code, other.stdout) == (3, "")
 
 
+def test_options_of_the_task_are_recorded_and_used() -> None:
+    wanted = ["num_fixtures=3", "goals=contact"]
+    header = collect_command.make_header(CABLE, 3, seed=0, steps=None, options=wanted)
+    assert header.options == {"num_fixtures": 3, "goals": "contact"}
+    assert header.steps == 500
+
+
 def test_longest_episode_is_the_budget_unless_it_is_given() -> None:
     assert collect_command.make_header(CABLE, 3, seed=0, steps=None).steps == 300
     assert collect_command.make_header(CABLE, 3, seed=0, steps=200).steps == 200
@@ -44,6 +51,10 @@ def test_longest_episode_is_the_budget_unless_it_is_given() -> None:
         (["--env", CABLE, "--episodes", "0"], "--episodes"),
         (["--env", CABLE, "--episodes", "1", "--steps", "301"], "steps must be in [1, 300]"),
         (["--env", CABLE, "--episodes", "1", "--minari", "no id"], "is not valid"),
+        (["--env", CABLE, "--episodes", "1", "--option", "goals"], "must be name=value"),
+        (["--env", CABLE, "--episodes", "1", "--option", "goal=contact"], "did you mean 'goals'"),
+        (["--env", CABLE, "--episodes", "1", "--option", "goals=contacts"], "mean 'contact'"),
+        (["--env", CABLE, "--episodes", "1", "--option", "num_fixtures=5"], "[1, 4], got 5"),
     ],
 )
 def test_usage_errors_exit_2_before_anything_is_recorded(

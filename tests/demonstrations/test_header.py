@@ -26,7 +26,15 @@ def test_shards_hold_every_episode_once(episodes: int, sizes: list[int]) -> None
 
 @pytest.mark.parametrize(
     "wrong",
-    [{"episodes": 0}, {"steps": True}, {"seed": -1}, {"split": "all"}, {"noisy": 1}, {"env_id": 3}],
+    [
+        {"episodes": 0},
+        {"steps": True},
+        {"seed": -1},
+        {"split": "all"},
+        {"noisy": 1},
+        {"env_id": 3},
+        {"options": {"goals": 1.5}},
+    ],
 )
 def test_impossible_values_are_refused_by_name(wrong: dict[str, object]) -> None:
     with pytest.raises(DemonstrationsError, match=next(iter(wrong))):

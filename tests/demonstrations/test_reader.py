@@ -7,11 +7,13 @@ import pytest
 
 from benchmarks.conditions import TaskSpec
 from benchmarks.plan import Plan
-from icd_envs.demonstrations import Demonstrations, demonstrate
+from icd_envs import ENV_IDS
+from icd_envs.demonstrations import Demonstrations, demonstrate, find_task
 from icd_envs.demonstrations.header import FILE_NAME, shard_path
 from icd_envs.demonstrations.shard import encode
 from icd_envs.errors import DemonstrationsError
 from icd_envs.geometry.sdf import BoxUnion
+from icd_envs.tasks.problem import scene_rng
 from tests.demonstrations.making import (
     STEPS,
     make_folder,
@@ -108,6 +110,25 @@ def test_shards_of_different_objects_are_an_error(tmp_path: Path) -> None:
     shard_path(tmp_path, 1).write_bytes(encode([other]))
     with pytest.raises(DemonstrationsError, match="nodes"):
         Demonstrations(tmp_path)
+
+
+def test_task_with_options_is_read_as_it_was_recorded(tmp_path: Path) -> None:
+    folder = make_folder(tmp_path, episodes=4, options={"goals": "contact", "num_fixtures": 1})
+    demonstrations = Demonstrations(folder)
+    assert demonstrations.solved.shape[1] == 1
+    task = find_task(CABLE, {"goals": "contact", "num_fixtures": 1})
+    for i, episode in enumerate(demonstrations):
+        rng = scene_rng("train", episode.seed)
+        assert demonstrations.scene(i).scene.contacts == task.draw_scenes(rng).scene.contacts
+        np.testing.assert_allclose(demonstrations.replay(i), episode.points, atol=1e-6)
+
+
+@pytest.mark.parametrize("env_id", ENV_IDS)
+def test_every_task_can_be_recorded_and_read(tmp_path: Path, env_id: str) -> None:
+    demonstrations = Demonstrations(make_folder(tmp_path, episodes=2, env_id=env_id))
+    for i, episode in enumerate(demonstrations):
+        np.testing.assert_allclose(demonstrations.replay(i), episode.points, atol=1e-6)
+        assert demonstrations.scene(i).cloud.shape == (1000, 3)
 
 
 def test_scene_of_another_version_is_an_error(tmp_path: Path) -> None:

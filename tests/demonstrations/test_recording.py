@@ -13,7 +13,7 @@ from tests.envs.making import CABLE
 
 @pytest.mark.parametrize("noisy", [False, True])
 def test_recording_is_the_beginning_of_the_demonstration(noisy: bool) -> None:
-    recorded = record(CABLE, seed=3, steps=25, split="train", noisy=noisy)
+    recorded = record(find_task(CABLE), seed=3, steps=25, split="train", noisy=noisy)
     shown = demonstrate(CABLE, seed=3, noisy=noisy)
     assert recorded.actions.tobytes() == shown.actions[:25].tobytes()
     assert recorded.gripper.tobytes() == shown.gripper[:26].tobytes()
@@ -30,7 +30,7 @@ def test_state_that_diverged_is_left_out(monkeypatch: pytest.MonkeyPatch) -> Non
         return dataclasses.replace(shown, diverged=True)
 
     monkeypatch.setattr(recording, "run_expert", explode)
-    recorded = record(CABLE, seed=0, steps=4, split="train", noisy=True)
+    recorded = record(find_task(CABLE), seed=0, steps=4, split="train", noisy=True)
     assert recorded.diverged
     assert recorded.actions.shape == (3, 3)
     assert len(recorded.nodes) == len(recorded.gripper) == len(recorded.solved) == 4
@@ -38,6 +38,6 @@ def test_state_that_diverged_is_left_out(monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 def test_scene_parameters_are_kept() -> None:
-    recorded = record(CABLE, seed=0, steps=1, split="train", noisy=True)
+    recorded = record(find_task(CABLE), seed=0, steps=1, split="train", noisy=True)
     assert set(recorded.parameters) == set(find_task(CABLE).parameter_names)
     assert len(recorded.scene_id) == 16
