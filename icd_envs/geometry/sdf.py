@@ -26,6 +26,7 @@ class BoxUnion:
         self._centers = np.stack([box.center for box in boxes])
         self._half = np.stack([box.half for box in boxes])
         rotations = np.stack([box.rotation for box in boxes])
+        self._rotations = rotations
         # One (3, 3B) matrix takes a world vector into all box frames at once.
         self._to_local = np.concatenate(list(rotations), axis=1)
         self._local_centers = np.einsum("bji,bj->bi", rotations, self._centers)
@@ -39,8 +40,36 @@ class BoxUnion:
         Returns:
             (M,) [m].
         """
+        excess = np.abs(self._local(points)) - self._half
+        return np.asarray(_distance(excess).min(axis=-1), dtype=np.float64)
+
+    def gradient(self, points: FloatArray) -> Float64Array:
+        """Direction in which the signed distance grows, that of the nearest or deepest box.
+
+        Args:
+            points: (M, 3) [m], world frame.
+
+        Returns:
+            (M, 3) unit vectors; any one of them where the distance has a kink.
+        """
+        local = self._local(points)
+        box = _distance(np.abs(local) - self._half).argmin(axis=-1)
+        local = local[np.arange(len(points)), box]
+        excess = np.abs(local) - self._half[box]
+        away = np.maximum(excess, 0.0)
+        inside = excess.max(axis=-1) <= 0.0
+        away[inside] = excess[inside] == excess[inside].max(axis=-1, keepdims=True)
+        direction = np.copysign(away, local)
+        direction /= np.linalg.norm(direction, axis=-1, keepdims=True)
+        return np.einsum("mij,mj->mi", self._rotations[box], direction)
+
+    def _local(self, points: FloatArray) -> FloatArray:
+        """(M, B, 3) [m] points in the frame of every box."""
         local = (points @ self._to_local).reshape(len(points), len(self._half), 3)
-        excess = np.abs(local - self._local_centers) - self._half
-        outside = np.linalg.norm(np.maximum(excess, 0.0), axis=-1)
-        inside = np.minimum(excess.max(axis=-1), 0.0)
-        return np.asarray((outside + inside).min(axis=-1), dtype=np.float64)
+        return np.asarray(local - self._local_centers)
+
+
+def _distance(excess: FloatArray) -> FloatArray:
+    """(..., 3) [m] coordinates beyond a box's half extents -> (...) signed distance."""
+    outside = np.linalg.norm(np.maximum(excess, 0.0), axis=-1)
+    return np.asarray(outside + np.minimum(excess.max(axis=-1), 0.0))

@@ -1,0 +1,1 @@
+"""The scene descriptor field (paper, "Contact-aware Neural Descriptor Field")."""

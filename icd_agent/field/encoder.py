@@ -1,0 +1,102 @@
+"""The scene encoder: anchors on the fixtures' surfaces, each with features of its surroundings."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import torch
+from torch import Tensor, nn
+
+from icd_agent.field.config import FieldConfig
+from icd_agent.field.neighbours import gather, nearest, spread
+from icd_agent.field.vector_neurons import VectorLeakyReLU, VectorLinear, upward
+
+
+class SceneCode(NamedTuple):
+    """An encoded scene; it turns and moves with the scene about and along gravity's axis.
+
+    Attributes:
+        anchors: (B, A, 3) [m] on surfaces of fixtures, world frame.
+        features: (B, A, 3, C) vectors, in units of the length scale or of none.
+        floor: (B,) [m] height of the lowest scene point.
+    """
+
+    anchors: Tensor
+    features: Tensor
+    floor: Tensor
+
+
+class SceneEncoder(nn.Module):
+    """Encodes what the scene looks like around each of its anchors; no absolute place enters."""
+
+    def __init__(self, config: FieldConfig) -> None:
+        """Build the layers."""
+        super().__init__()
+        self.config = config
+        channels = config.channels
+        self.surface = nn.Sequential(
+            VectorLinear(4, channels),
+            VectorLeakyReLU(channels),
+            VectorLinear(channels, channels),
+            VectorLeakyReLU(channels),
+        )
+        self.exchange = nn.ModuleList(_Exchange(channels) for _ in range(config.graph_layers))
+
+    def forward(self, scene: Tensor, there: Tensor | None = None) -> SceneCode:
+        """Encode scenes.
+
+        Args:
+            scene: (B, M, 3) [m] surface points, world frame.
+            there: (B, M) bool, points that were seen; None is all.
+
+        Returns:
+            The code, for ``SceneField.query``.
+        """
+        there = torch.ones_like(scene[..., 0], dtype=torch.bool) if there is None else there
+        floor = scene[..., 2].masked_fill(~there, float("inf")).amin(dim=1)
+        fixture = there & (scene[..., 2] > floor[:, None] + self.config.floor_margin)
+        # A scene of bare floor has nothing else to hold on to.
+        fixture = torch.where(fixture.any(dim=1, keepdim=True), fixture, there)
+        chosen = spread(scene, self.config.anchors, fixture)
+        anchors = gather(scene, chosen)
+        features = self._look_around(scene, fixture, anchors)
+        _, around = nearest(anchors, anchors, min(self.config.graph_neighbours, len(anchors[0])))
+        offsets = self._scaled(gather(anchors, around) - anchors[:, :, None])
+        for layer in self.exchange:
+            features = layer(features, gather(features, around), offsets)
+        return SceneCode(anchors, features, floor)
+
+    def _look_around(self, scene: Tensor, fixture: Tensor, anchors: Tensor) -> Tensor:
+        count = min(self.config.anchor_neighbours, scene.shape[1])
+        squares, around = nearest(anchors, scene, count, fixture)
+        offsets = self._scaled(gather(scene, around) - anchors[:, :, None])
+        # Points that are not there (fewer fixtures than k) repeat the anchor itself.
+        offsets = offsets.masked_fill((squares > 1e5)[..., None, None], 0.0)
+        middle = offsets.mean(dim=2, keepdim=True).expand_as(offsets)
+        turn = torch.linalg.cross(offsets, middle, dim=-2)
+        edges = torch.cat([offsets, middle, turn, upward(offsets)], dim=-1)
+        features: Tensor = self.surface(edges).mean(dim=2)
+        return features
+
+    def _scaled(self, offsets: Tensor) -> Tensor:
+        """(..., 3) [m] -> (..., 3, 1) in units of the length scale."""
+        return offsets[..., None] / self.config.length_scale
+
+
+class _Exchange(nn.Module):
+    """One round of messages between neighbouring anchors, added to what is known."""
+
+    def __init__(self, channels: int) -> None:
+        super().__init__()
+        self.there = VectorLinear(channels, channels)
+        self.here = VectorLinear(channels + 1, channels)
+        self.offset = VectorLinear(1, channels)
+        self.activation = VectorLeakyReLU(channels)
+        self.out = VectorLinear(channels, channels)
+
+    def forward(self, features: Tensor, around: Tensor, offsets: Tensor) -> Tensor:
+        """(B, A, 3, C), those of k neighbours (B, A, k, 3, C), offsets (B, A, k, 3, 1)."""
+        here = self.here(torch.cat([features, upward(features)], dim=-1))[:, :, None]
+        messages = self.activation(here + self.there(around) + self.offset(offsets))
+        updated: Tensor = features + self.out(messages.mean(dim=2))
+        return updated

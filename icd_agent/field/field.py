@@ -1,0 +1,110 @@
+"""The field itself: what a point in space is to the scene around it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import torch
+from torch import Tensor, nn
+
+from icd_agent.field.config import FieldConfig
+from icd_agent.field.encoder import SceneCode, SceneEncoder
+from icd_agent.field.neighbours import gather, nearest
+from icd_agent.field.vector_neurons import TINY, Invariants, VectorLeakyReLU, VectorLinear, upward
+
+SHARPNESS = (1.0, 3.0)
+"""Exponents of the two distance weights: a smooth look at all around, and a close one."""
+
+
+class FieldOutput(NamedTuple):
+    """What the field says about points x.
+
+    Attributes:
+        descriptor: (B, Q, D), the same for all yaws and places of scene and point together.
+        occupancy: (B, Q) logit of being inside a fixture.
+        gradient: (B, Q, 3) direction of the signed distance's gradient, world frame.
+        log_distance: (B, Q) log(1 + |signed distance| / length scale).
+    """
+
+    descriptor: Tensor
+    occupancy: Tensor
+    gradient: Tensor
+    log_distance: Tensor
+
+
+class SceneField(nn.Module):
+    """f(x | P_s) of the paper: a descriptor of any point, given the scene's cloud."""
+
+    def __init__(self, config: FieldConfig) -> None:
+        """Build the layers."""
+        super().__init__()
+        self.config = config
+        channels, edge, width = config.channels, config.edge_width, config.width
+        self.encoder = SceneEncoder(config)
+        self.edge = nn.Sequential(
+            nn.Linear(2 * channels + 2, edge), nn.LeakyReLU(), nn.Linear(edge, edge)
+        )
+        gathered = len(SHARPNESS) * (channels + 1) + 1
+        self.vectors = nn.Sequential(
+            VectorLinear(gathered, channels), VectorLeakyReLU(channels)
+        )
+        self.invariants = Invariants(channels)
+        scalars = len(SHARPNESS) * edge + 3 * channels + 1
+        self.trunk = nn.Sequential(
+            nn.Linear(scalars, width), nn.SiLU(), nn.Linear(width, width), nn.SiLU()
+        )
+        self.descriptor = nn.Linear(width, config.descriptor)
+        self.heads = nn.Linear(width, 2)
+        self.gates = nn.Linear(width, channels + 1)
+
+    def forward(self, scene: Tensor, points: Tensor, there: Tensor | None = None) -> FieldOutput:
+        """Encode scenes and ask about points.
+
+        Args:
+            scene: (B, M, 3) [m] surface points, world frame.
+            points: (B, Q, 3) [m], world frame.
+            there: (B, M) bool, scene points that were seen; None is all.
+        """
+        return self.query(self.encoder(scene, there), points)
+
+    def query(self, code: SceneCode, points: Tensor) -> FieldOutput:
+        """Ask about points (B, Q, 3) [m] in encoded scenes."""
+        edges, weights, features = self._edges(code, points)
+        scalars = [self._gather_scalars(edges, features, weights)]
+        vectors = self._gather_vectors(edges, features, weights)
+        vectors = self.vectors(torch.cat([vectors, upward(vectors)], dim=-1))
+        scalars.append(self.invariants(vectors))
+        scalars.append(self._compress(points[..., 2:] - code.floor[:, None, None]))
+        hidden = self.trunk(torch.cat(scalars, dim=-1))
+        occupancy, log_distance = self.heads(hidden).unbind(-1)
+        steered = torch.cat([vectors, upward(vectors)], dim=-1) * self.gates(hidden)[..., None, :]
+        return FieldOutput(self.descriptor(hidden), occupancy, steered.sum(-1), log_distance)
+
+    def _edges(self, code: SceneCode, points: Tensor) -> tuple[Tensor, Tensor, Tensor]:
+        """Offsets (B, Q, k, 3), weights (B, Q, k, heads), features (B, Q, k, 3, C)."""
+        count = min(self.config.query_neighbours, code.anchors.shape[1])
+        squares, near = nearest(points, code.anchors, count)
+        offsets = points[:, :, None] - gather(code.anchors, near)
+        distance = (squares + TINY).sqrt()
+        # The last neighbour has no weight, so that nothing jumps when neighbours change.
+        window = (1.0 - distance / (distance[..., -1:] + TINY)).clamp(min=0.0)
+        soft = squares + self.config.length_scale**2 / 16
+        weights = torch.stack([window * soft**-power for power in SHARPNESS], dim=-1)
+        weights = weights / (weights.sum(dim=2, keepdim=True) + TINY)
+        shrunk = self._compress(distance) / distance
+        return offsets * shrunk[..., None], weights, gather(code.features, near)
+
+    def _compress(self, metres: Tensor) -> Tensor:
+        return torch.log1p(metres.clamp(min=0.0) / self.config.length_scale)
+
+    def _gather_scalars(self, edges: Tensor, features: Tensor, weights: Tensor) -> Tensor:
+        """What each neighbour says, (B, Q, heads * edge_width)."""
+        along = (features * edges[..., None]).sum(-2)
+        inputs = [along, features[..., 2, :], edges[..., 2:], edges.norm(dim=-1, keepdim=True)]
+        said = self.edge(torch.cat(inputs, dim=-1))
+        return torch.einsum("bqkh,bqkw->bqhw", weights, said).flatten(-2)
+
+    def _gather_vectors(self, edges: Tensor, features: Tensor, weights: Tensor) -> Tensor:
+        """(B, Q, 3, heads * (C + 1))."""
+        both = torch.cat([features, edges[..., None]], dim=-1)
+        return torch.einsum("bqkh,bqkvc->bqvhc", weights, both).flatten(-2)

@@ -1,0 +1,70 @@
+"""What the field is taught: inside or outside, and where the surface is."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from icd_envs.api import Float32Array, FloatArray
+from icd_envs.geometry.sdf import BoxUnion
+
+NEAR = 0.5
+"""Share of the queries near surfaces."""
+ON_OBJECT = 0.25
+"""Share at places where the object has been; the rest is spread over the scene's surroundings."""
+NEAR_SPREAD = 0.015
+"""[m] standard deviation of the distance to the surface."""
+OBJECT_SPREAD = 0.01
+"""[m] of noise on the object's places."""
+SURROUNDINGS = 0.25
+"""[m] around the scene's cloud that queries are spread over."""
+
+
+class Targets(NamedTuple):
+    """Points of one scene and the truth about them.
+
+    Attributes:
+        points: (Q, 3) float32 [m], world frame.
+        distance: (Q,) float32 [m] signed distance, negative inside.
+        gradient: (Q, 3) float32 unit vectors.
+    """
+
+    points: Float32Array
+    distance: Float32Array
+    gradient: Float32Array
+
+
+def draw_queries(
+    scene: FloatArray, object_points: FloatArray, count: int, rng: np.random.Generator
+) -> Float32Array:
+    """Points to ask about: near surfaces, where the object has been, and anywhere around.
+
+    Args:
+        scene: (M, 3) [m] scene cloud.
+        object_points: (P, 3) [m] places of the object in this scene.
+        count: Q.
+        rng: source of every draw.
+
+    Returns:
+        (Q, 3) float32 [m].
+    """
+    near, there = int(NEAR * count), int(ON_OBJECT * count)
+    fixture = scene[scene[:, 2] > scene[:, 2].min() + 0.003]
+    low, high = scene.min(axis=0) - SURROUNDINGS, scene.max(axis=0) + SURROUNDINGS
+    low[2] = scene[:, 2].min()
+    parts = [
+        rng.choice(fixture, near) + rng.normal(0.0, NEAR_SPREAD, (near, 3)),
+        rng.choice(object_points, there) + rng.normal(0.0, OBJECT_SPREAD, (there, 3)),
+        rng.uniform(low, high, (count - near - there, 3)),
+    ]
+    return np.concatenate(parts).astype(np.float32)
+
+
+def supervise(points: Float32Array, solid: BoxUnion) -> Targets:
+    """The truth about points (Q, 3) [m], from the exact solids of the scene."""
+    return Targets(
+        points,
+        solid(points.astype(np.float64)).astype(np.float32),
+        solid.gradient(points.astype(np.float64)).astype(np.float32),
+    )
