@@ -7,9 +7,12 @@ from functools import partial
 from time import perf_counter
 from typing import Literal
 
+from benchmarks.attempt import Attempt, Played
+from benchmarks.executors import Work
 from benchmarks.plan import Job
+from benchmarks.pulse import Pulse
 from benchmarks.rows import Row, error_row
-from benchmarks.runner import Work
+from benchmarks.runner import Episodes, lost
 
 
 @dataclass(frozen=True)
@@ -28,13 +31,19 @@ class ExpertRuns:
     noisy: bool
     episodes: int
 
-    def work(self, workers: int) -> Work:
-        """What does one of its jobs."""
-        return partial(run_expert, split=self.split, noisy=self.noisy)
+    def work(self, threads: int) -> Episodes:
+        """What does one of its jobs; the expert plans nothing and needs one thread."""
+        return Work(partial(play_expert, split=self.split, noisy=self.noisy), lost)
 
 
-def run_expert(job: Job, split: Literal["train", "test"], noisy: bool) -> Row:
+def play_expert(
+    attempt: Attempt, pulse: Pulse, split: Literal["train", "test"], noisy: bool
+) -> Played:
     """Run the expert once; an exception becomes a row of status "error"."""
+    return Played(_play(attempt.job, split, noisy))
+
+
+def _play(job: Job, split: Literal["train", "test"], noisy: bool) -> Row:
     start = perf_counter()
     try:
         from icd_envs.demonstrations import demonstrate
