@@ -13,11 +13,14 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stdout
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-FINE, FAILED_EPISODES, USAGE, INCOMPATIBLE, INTERRUPTED = 0, 1, 2, 3, 130
+if TYPE_CHECKING:
+    from benchmarks.interrupts import Interrupt
+
+FINE, FAILED_EPISODES, USAGE, INCOMPATIBLE = 0, 1, 2, 3
 
 main = typer.Typer(
     help="Run agents on the Implicit Contact Diffuser tasks and print honest tables.",
@@ -26,7 +29,13 @@ main = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
-Workers = Annotated[int, typer.Option(min=1, help="Processes to spread the episodes over.")]
+Workers = Annotated[
+    int, typer.Option(min=0, help="Processes at a time; 0: all in this one, for debuggers.")
+]
+Threads = Annotated[
+    int | None,
+    typer.Option(min=1, help="Planner threads of a worker.", show_default="cores / workers"),
+]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON, and only JSON, on stdout.")]
 
 
@@ -70,12 +79,21 @@ def run(
         typer.Option(min=1, help="Test cases per agent and task, instead of the suite's."),
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Base seed of all episodes.")] = 0,
+    act_seconds: Annotated[float, typer.Option(help="Time that one act may take.")] = 60.0,
+    episode_seconds: Annotated[
+        float, typer.Option(help="Time that one episode may take, loading included.")
+    ] = 3600.0,
     workers: Workers = 1,
+    threads: Threads = None,
     out: Annotated[
         Path | None, typer.Option(help="Results folder.", show_default="runs/<UTC time>")
     ] = None,
     resume: Annotated[
         bool, typer.Option("--resume", help="Go on with the results in --out.")
+    ] = False,
+    allow_mixed: Annotated[
+        bool,
+        typer.Option("--allow-mixed", help="Resume with other budgets, code or versions; flagged."),
     ] = False,
     as_json: AsJson = False,
 ) -> None:
@@ -83,6 +101,9 @@ def run(
     _import_from_working_directory()
     with _errors_in_one_line():
         from benchmarks import progress, registry, results, runner
+        from benchmarks.attempt import Settings
+        from benchmarks.executors import make_executor
+        from benchmarks.interrupts import interruptible
         from benchmarks.plan import plan_suite
         from benchmarks.suites import find_suite
         from icd_envs.errors import InvalidOptionError
@@ -94,21 +115,29 @@ def run(
                 registry.check_env_id(env_id)
             for name in plan.agents:
                 registry.agent_factory(name)
-            work = runner.episodes(workers)
         if resume and out is None:
             raise InvalidOptionError("--resume needs --out: name the folder to go on with")
+        executor = make_executor("local", workers=workers, threads=threads, address=None)
+        settings = Settings(executor.threads, act_seconds, episode_seconds)
         folder = out or results.new_folder(Path("runs"))
         typer.echo(f"results: {folder}", err=True)
-        interrupted = False
-        watch = progress.watching("episodes")
-        try:
-            with redirect_stdout(sys.stderr):
-                runner.run(plan, folder, work, workers=workers, resume=resume, watch=watch)
-        except KeyboardInterrupt:
-            interrupted = True
+        with interruptible() as interrupt, redirect_stdout(sys.stderr):
+            runner.run(
+                plan,
+                folder,
+                runner.episodes(settings),
+                executor,
+                settings=settings.record(),
+                resume=resume,
+                allow_mixed=allow_mixed,
+                watch=progress.watching("episodes"),
+            )
+        if interrupt.number:
             typer.echo(f"interrupted; go on with --out '{folder}' --resume", err=True)
         errors = _print_report([folder], as_json=as_json)
-    raise typer.Exit(INTERRUPTED if interrupted else FAILED_EPISODES if errors else FINE)
+    if interrupt.number:
+        raise typer.Exit(interrupt.exit_code)
+    raise typer.Exit(FAILED_EPISODES if errors else FINE)
 
 
 @main.command()
@@ -126,6 +155,7 @@ def gates(
     env: Annotated[str, typer.Option(help="Environment id.")],
     only: Annotated[list[str] | None, typer.Option(help="Gate; repeatable.")] = None,
     workers: Workers = 1,
+    threads: Threads = None,
     out: Annotated[
         Path | None, typer.Option(help="Results folder.", show_default="runs/gates-<env>")
     ] = None,
@@ -135,20 +165,20 @@ def gates(
     """Check that a task is neither too easy nor too hard."""
     with _errors_in_one_line():
         from benchmarks import progress
+        from benchmarks.executors import make_executor
         from benchmarks.gates import gates_of, run_gates
+        from benchmarks.interrupts import interruptible
         from benchmarks.tables import print_verdicts
 
         chosen = gates_of(env, only or ())
         folder = out or Path("runs") / f"gates-{env}"
         typer.echo(f"results: {folder}", err=True)
-        try:
-            with redirect_stdout(sys.stderr):
-                verdicts = run_gates(
-                    env, chosen, folder, workers=workers, resume=resume, watch=progress.watching
-                )
-        except KeyboardInterrupt:
-            typer.echo("interrupted; the same command goes on", err=True)
-            raise typer.Exit(INTERRUPTED) from None
+        executor = make_executor("local", workers=workers, threads=threads, address=None)
+        with interruptible() as interrupt, redirect_stdout(sys.stderr):
+            verdicts = run_gates(
+                env, chosen, folder, executor, resume=resume, watch=progress.watching
+            )
+        _exit_if(interrupt)
     if as_json:
         typer.echo(json.dumps({name: verdict.record() for name, verdict in verdicts.items()}))
     else:
@@ -180,23 +210,23 @@ def collect(
     """Record episodes of the noisy expert in training scenes."""
     with _errors_in_one_line():
         from benchmarks import collect_command, progress
+        from benchmarks.executors import make_executor
+        from benchmarks.interrupts import interruptible
         from benchmarks.tables import print_values
 
-        try:
-            with redirect_stdout(sys.stderr):
-                values = collect_command.collect_and_export(
-                    collect_command.make_header(
-                        env, episodes, seed=seed, steps=steps, options=option or ()
-                    ),
-                    out,
-                    workers=workers,
-                    resume=resume,
-                    minari=minari,
-                    watch=progress.watching,
-                )
-        except KeyboardInterrupt:
-            typer.echo("interrupted; the same command goes on", err=True)
-            raise typer.Exit(INTERRUPTED) from None
+        executor = make_executor("local", workers=workers, threads=1, address=None)
+        with interruptible() as interrupt, redirect_stdout(sys.stderr):
+            values = collect_command.collect_and_export(
+                collect_command.make_header(
+                    env, episodes, seed=seed, steps=steps, options=option or ()
+                ),
+                out,
+                executor,
+                resume=resume,
+                minari=minari,
+                watch=progress.watching,
+            )
+        _exit_if(interrupt)
     if as_json:
         typer.echo(json.dumps(values))
     else:
@@ -231,6 +261,12 @@ def _print_report(folders: list[Path], *, as_json: bool) -> int:
     else:
         print_summaries(summaries)
     return sum(summary.errors for summary in summaries)
+
+
+def _exit_if(interrupt: Interrupt) -> None:
+    if interrupt.number:
+        typer.echo("interrupted; the same command goes on", err=True)
+        raise typer.Exit(interrupt.exit_code)
 
 
 def _import_from_working_directory() -> None:

@@ -10,14 +10,16 @@ from typing import Final, NamedTuple
 
 from benchmarks.conditions import DEFAULT, Condition, TaskSpec
 from benchmarks.errors import IncompatibleResultsError, ResultsError
-from benchmarks.executors import execute
+from benchmarks.executors import Executor, Retry, Work
 from benchmarks.files import locked, write_atomically
 from benchmarks.manifest import FILE_NAME as MANIFEST_NAME
 from benchmarks.manifest import continued, describe, read_manifest
 from benchmarks.plan import Job, Plan
+from benchmarks.pulse import Pulse
 from benchmarks.results import ROWS_NAME
 from benchmarks.rows import Row
 from benchmarks.runner import Watch, unwatched
+from benchmarks.worker import Loss
 from icd_envs.demonstrations import find_task
 from icd_envs.demonstrations.header import FILE_NAME, Header, read_header, shard_path
 from icd_envs.demonstrations.recording import record
@@ -29,10 +31,17 @@ AGENT: Final = "expert-noisy"
 
 
 class Shard(NamedTuple):
-    """Episodes that go into one file."""
+    """Episodes that go into one file.
+
+    Attributes:
+        number: of the file.
+        jobs: the episodes.
+        repeated: a worker has died of them before.
+    """
 
     number: int
     jobs: list[Job]
+    repeated: bool = False
 
 
 class Recorded(NamedTuple):
@@ -45,8 +54,8 @@ class Recorded(NamedTuple):
 def collect(
     header: Header,
     out: Path,
+    executor: Executor,
     *,
-    workers: int = 1,
     resume: bool = True,
     watch: Watch = unwatched,
 ) -> list[Row]:
@@ -55,7 +64,7 @@ def collect(
     Args:
         header: what to record.
         out: the folder.
-        workers: processes; with 1 everything happens in this one.
+        executor: who records them.
         resume: go on with episodes that are there; otherwise they are an error.
         watch: shows progress.
 
@@ -82,10 +91,10 @@ def collect(
             rows += finished
             if not finished:
                 pending.append(shard)
-        work = partial(_record, header)
+        work = Work(partial(_record, header=header), _lost)
         with (
             watch(len(jobs), tuple(rows)) as seen,
-            closing(execute(work, pending, workers, _lost)) as recorded,
+            closing(executor.execute(work, pending)) as recorded,
         ):
             for shard, content in recorded:
                 _write(shard_path(out, shard.number), content)
@@ -95,7 +104,7 @@ def collect(
     return sorted(rows, key=lambda row: row.index)
 
 
-def _record(header: Header, shard: Shard) -> Recorded:
+def _record(shard: Shard, pulse: Pulse, header: Header) -> Recorded:
     task = find_task(header.env_id, header.options)
     recordings = [
         record(
@@ -110,11 +119,13 @@ def _record(header: Header, shard: Shard) -> Recorded:
     return Recorded(shard, encode(recordings))
 
 
-def _lost(shard: Shard) -> Recorded:
+def _lost(shard: Shard, loss: Loss) -> Retry[Shard]:
+    if not shard.repeated:
+        return Retry(shard._replace(repeated=True))
     seeds = ", ".join(str(job.seed) for job in shard.jobs)
     raise ResultsError(
-        f"worker died twice in shard {shard.number}: the process was killed (out of memory?) or "
-        f"crashed; what is finished is kept; seeds {seeds}"
+        f"worker died twice in shard {shard.number}, the second time because: {loss.reason}; "
+        f"what is finished is kept; seeds {seeds}"
     )
 
 

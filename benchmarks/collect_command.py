@@ -7,6 +7,7 @@ from pathlib import Path
 from time import perf_counter
 
 from benchmarks.collect import collect
+from benchmarks.executors import Executor
 from benchmarks.runner import Watch
 from icd_envs.demonstrations import Demonstrations, find_task
 from icd_envs.demonstrations.header import Header, shard_path
@@ -49,8 +50,8 @@ def _parse_option(text: str) -> tuple[str, int | str]:
 def collect_and_export(
     header: Header,
     out: Path,
+    executor: Executor,
     *,
-    workers: int,
     resume: bool,
     minari: str | None,
     watch: Callable[[str], Watch],
@@ -60,7 +61,7 @@ def collect_and_export(
     Args:
         header: what to record.
         out: folder of the demonstrations.
-        workers: processes.
+        executor: who records.
         resume: go on with what is there.
         minari: id of the dataset, or None.
         watch: makes the progress of a part from its label.
@@ -76,7 +77,7 @@ def collect_and_export(
 
         minari_export.check_dataset_id(minari)
     before = perf_counter()
-    rows = collect(header, out, workers=workers, resume=resume, watch=watch("episodes"))
+    rows = collect(header, out, executor, resume=resume, watch=watch("episodes"))
     seconds = perf_counter() - before
     size = sum(shard_path(out, number).stat().st_size for number in range(header.shards))
     values: Values = {

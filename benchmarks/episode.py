@@ -12,8 +12,11 @@ from typing import Any
 import gymnasium as gym
 import numpy as np
 
+from benchmarks.attempt import Attempt, Played, Settings
 from benchmarks.conditions import TaskSpec, make_env
+from benchmarks.generators import seed_global_generators
 from benchmarks.plan import Job
+from benchmarks.pulse import Pulse
 from benchmarks.registry import make_agent
 from benchmarks.rows import Row, error_row
 from icd_envs.api import Agent, Episode
@@ -47,10 +50,8 @@ class _Kept:
 
 @dataclass
 class _Tally:
-    """How far an episode has come."""
+    """What there is to tell of an episode so far."""
 
-    doing: str = "making the environment"
-    steps: int = 0
     return_: float = 0.0
     act_seconds: float = 0.0
     privileged: str = ""
@@ -59,18 +60,20 @@ class _Tally:
 _kept = _Kept()
 
 
-def run_episode(job: Job, threads: int = 1) -> Row:
-    """Run one episode; whatever agent or environment do wrong becomes a row of status "error".
+def play(attempt: Attempt, pulse: Pulse, settings: Settings) -> Played:
+    """Play one episode; whatever agent or environment do wrong becomes a row of status "error".
 
     Args:
-        job: which agent, environment and seed.
-        threads: threads that the agent's simulator may use.
+        attempt: which agent, environment and seed.
+        pulse: is told what is being done.
+        settings: budget of one ``act``, threads, and what the agent's factory may ask for.
     """
+    job = attempt.job
     start = perf_counter()
     tally = _Tally()
     try:
-        info = _play(job, threads, tally)
-        return Row(
+        info = _play(job, settings, pulse, tally)
+        row = Row(
             agent=job.agent,
             env=job.env,
             condition=job.condition.name,
@@ -80,57 +83,60 @@ def run_episode(job: Job, threads: int = 1) -> Row:
             status="ok",
             success=bool(info["is_success"]),
             complete=float(info["complete_rate"]),
-            steps=tally.steps,
+            steps=pulse.step,
             return_=tally.return_,
             diverged=bool(info["diverged"]),
             buffer_overflows=info.get("buffer_overflows"),
             message="",
             seconds=perf_counter() - start,
-            act_seconds=tally.act_seconds / max(1, tally.steps),
+            act_seconds=tally.act_seconds / max(1, pulse.step),
             privileged=tally.privileged,
         )
     except (Exception, SystemExit) as error:
-        _kept.drop(job)
-        return error_row(
+        row = error_row(
             job,
-            f"{tally.doing}, step {tally.steps}: {_reason(error)}",
-            steps=tally.steps,
+            f"{pulse.doing}, step {pulse.step}: {_reason(error)}",
+            steps=pulse.step,
             return_=tally.return_,
             seconds=perf_counter() - start,
-            act_seconds=tally.act_seconds / max(1, tally.steps),
+            act_seconds=tally.act_seconds / max(1, pulse.step),
             privileged=tally.privileged,
         )
+        _kept.drop(job)
+    return Played(row)
 
 
-def _play(job: Job, threads: int, tally: _Tally) -> dict[str, Any]:
+def _play(job: Job, settings: Settings, pulse: Pulse, tally: _Tally) -> dict[str, Any]:
     """Act until the episode ends and return its last info."""
+    pulse.doing = "making the environment"
     env = _kept.env(job.task)
-    tally.doing = "making the agent"
+    pulse.doing = "making the agent"
     agent = _kept.agent(job.agent)
     simulator = bool(getattr(agent, "needs_simulator", False))
     oracle = bool(getattr(agent, "needs_oracle", False))
     asked = {"simulator": simulator, "oracle": oracle}
     tally.privileged = "+".join(name for name, given in asked.items() if given)
 
-    tally.doing = "resetting the environment"
+    pulse.doing = "resetting the environment"
     observation, _ = env.reset(seed=job.seed)
     begin_episode = env.get_wrapper_attr("episode")
-    episode: Episode = begin_episode(simulator=simulator, oracle=oracle, threads=threads)
-    tally.doing = "resetting the agent"
+    episode: Episode = begin_episode(simulator=simulator, oracle=oracle, threads=settings.threads)
+    pulse.doing = "resetting the agent"
+    seed_global_generators(job.agent_seed)
     agent.reset(episode, job.agent_seed)
 
     for _ in range(episode.max_steps):
-        tally.doing = "act"
         given = {name: np.array(value) for name, value in observation.items()}
         before = perf_counter()
-        action = agent.act(given)  # type: ignore[arg-type]
+        with pulse.limited("act", settings.act_seconds):
+            action = agent.act(given)  # type: ignore[arg-type]
         tally.act_seconds += perf_counter() - before
-        tally.doing = "env.step"
+        pulse.doing = "env.step"
         observation, reward, terminated, truncated, info = env.step(action)
-        tally.steps += 1
+        pulse.step += 1
         tally.return_ += float(reward)
         if terminated or truncated:
-            tally.doing = "reading the last info"
+            pulse.doing = "reading the last info"
             return info
     raise RuntimeError(f"the episode did not end within its max_steps={episode.max_steps}")
 

@@ -15,3 +15,7 @@ class IncompatibleResultsError(ResultsError):
 
 class ResultsWarning(UserWarning):
     """Results were readable, but something was left out."""
+
+
+class WorkerStartError(IcdError, RuntimeError):
+    """Worker processes that end before they can do anything."""

@@ -8,10 +8,13 @@ from functools import partial
 from time import perf_counter
 from typing import Literal, NamedTuple
 
+from benchmarks.attempt import Attempt, Played
 from benchmarks.conditions import DEFAULT, Condition
+from benchmarks.executors import Work
 from benchmarks.plan import Job
+from benchmarks.pulse import Pulse
 from benchmarks.rows import Row, error_row
-from benchmarks.runner import Work
+from benchmarks.runner import Episodes, lost
 
 
 class Outcome(NamedTuple):
@@ -41,9 +44,10 @@ class ExpertRuns:
     episodes: int
     condition: Condition = DEFAULT
 
-    def work(self, workers: int) -> Work:
-        """What does one of its jobs."""
-        return partial(run_row, play=partial(_demonstrate, split=self.split, noisy=self.noisy))
+    def work(self, threads: int) -> Episodes:
+        """What does one of its jobs; the expert plans nothing and needs one thread."""
+        play = partial(_demonstrate, split=self.split, noisy=self.noisy)
+        return Work(partial(play_row, play=play), lost)
 
 
 @dataclass(frozen=True)
@@ -60,9 +64,9 @@ class CopiedGoals:
     episodes: int
     condition: Condition = DEFAULT
 
-    def work(self, workers: int) -> Work:
+    def work(self, threads: int) -> Episodes:
         """What does one of its jobs."""
-        return partial(run_row, play=_copy_goal)
+        return Work(partial(play_row, play=_copy_goal), lost)
 
 
 @dataclass(frozen=True)
@@ -79,13 +83,17 @@ class RoutesAll:
     episodes: int
     condition: Condition = DEFAULT
 
-    def work(self, workers: int) -> Work:
+    def work(self, threads: int) -> Episodes:
         """What does one of its jobs."""
-        return partial(run_row, play=_route_all)
+        return Work(partial(play_row, play=_route_all), lost)
 
 
-def run_row(job: Job, play: Callable[[Job], Outcome]) -> Row:
+def play_row(attempt: Attempt, pulse: Pulse, play: Callable[[Job], Outcome]) -> Played:
     """Play once; an exception becomes a row of status "error"."""
+    return Played(_row(attempt.job, play))
+
+
+def _row(job: Job, play: Callable[[Job], Outcome]) -> Row:
     start = perf_counter()
     try:
         outcome = play(job)

@@ -7,12 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+from benchmarks.attempt import Settings
 from benchmarks.conditions import DEFAULT, Condition, TaskSpec
+from benchmarks.executors import Executor
 from benchmarks.expert_runs import CopiedGoals, ExpertRuns, RoutesAll
 from benchmarks.plan import Plan
 from benchmarks.registry import agent_factory, check_env_id
 from benchmarks.rows import Row
-from benchmarks.runner import Watch, Work, episodes, run
+from benchmarks.runner import Episodes, Watch, episodes, run
 from benchmarks.suites import CONTACT_GOALS
 from icd_envs.errors import InvalidOptionError, unknown_name
 
@@ -33,10 +35,10 @@ class AgentRuns:
     episodes: int
     condition: Condition = DEFAULT
 
-    def work(self, workers: int) -> Work:
+    def work(self, threads: int) -> Episodes:
         """What does one of its jobs; an agent that cannot be imported is an error here."""
         agent_factory(self.agent)
-        return episodes(workers)
+        return episodes(Settings(threads=threads))
 
 
 @dataclass(frozen=True)
@@ -156,8 +158,8 @@ def run_gates(
     env_id: str,
     gates: Sequence[Gate],
     out: Path,
+    executor: Executor,
     *,
-    workers: int,
     resume: bool,
     watch: Callable[[str], Watch],
 ) -> dict[str, Verdict]:
@@ -167,7 +169,7 @@ def run_gates(
         env_id: the environment.
         gates: from ``gates_of``.
         out: folder of all the gates' results.
-        workers: processes.
+        executor: who runs the episodes.
         resume: go on with results that are there.
         watch: makes the progress of a run from its label.
 
@@ -176,13 +178,14 @@ def run_gates(
         InvalidOptionError: environment or agent cannot be imported; nothing was run.
     """
     check_env_id(env_id)
-    works = {source: source.work(workers) for source in dict.fromkeys(g.source for g in gates)}
+    sources = dict.fromkeys(gate.source for gate in gates)
+    works = {source: source.work(executor.threads) for source in sources}
     rows = {
         source: run(
             Plan((source.agent,), (TaskSpec(env_id, source.condition),), source.episodes),
             out / "rows" / source.agent.replace(":", "-"),
             work,
-            workers=workers,
+            executor,
             resume=resume,
             watch=watch(source.agent),
         )

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import json
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -44,6 +45,8 @@ class Manifest:
         created: when the folder was begun, UTC.
         updated: when it was last resumed, UTC.
         wall_seconds: [s] that its runs took together; None if it was not recorded.
+        settings: what else decides how episodes end: budgets of time, device, and the files that
+            agents from elsewhere come from.
         mixed: in what the runs that wrote the rows differ, empty unless that was allowed.
     """
 
@@ -67,6 +70,7 @@ class Manifest:
     created: str
     updated: str
     wall_seconds: float | None = 0.0
+    settings: dict[str, str | float] = field(default_factory=dict)
     mixed: tuple[str, ...] = ()
 
     @property
@@ -84,7 +88,7 @@ class Manifest:
         write_atomically(folder / FILE_NAME, self.to_json())
 
 
-def describe(plan: Plan) -> Manifest:
+def describe(plan: Plan, settings: Mapping[str, str | float] | None = None) -> Manifest:
     """Manifest of a run that begins now, with this code on this machine."""
     now = datetime.now(UTC).isoformat(timespec="seconds")
     commit, dirty = provenance.git_state()
@@ -108,6 +112,7 @@ def describe(plan: Plan) -> Manifest:
         cpu_model=provenance.cpu_model(),
         created=now,
         updated=now,
+        settings=dict(settings or {}),
     )
 
 
@@ -143,31 +148,52 @@ def read_manifest(folder: Path) -> Manifest:
         raise ResultsError(f"{path} is not a manifest: {type(error).__name__}: {error}") from error
 
 
-def continued(old: Manifest, new: Manifest) -> Manifest:
+def continued(old: Manifest, new: Manifest, *, allow_mixed: bool = False) -> Manifest:
     """Manifest of ``old``'s folder once ``new`` has gone on with it.
+
+    Args:
+        old: of the folder.
+        new: of this run.
+        allow_mixed: accept other settings, code and versions, and say so in the manifest.
 
     Raises:
         IncompatibleResultsError: the rows of the two would not be comparable.
     """
-    differences = [
-        f"{name}: {before!r} there, {now!r} now"
-        for name, before, now in [
-            ("base seed", old.seed, new.seed),
-            ("code", old.code, new.code),
-            *((name, old.packages.get(name), now) for name, now in new.packages.items()),
-        ]
-        if before != now
-    ]
-    if not new.plan.extends(old.plan):
-        differences.append(
-            f"plan: {_described(old.plan)} there is not contained in {_described(new.plan)} now"
-        )
-    if differences:
+    fix = "choose another --out, or the same agents, envs, episodes (or more of them) and seed"
+    if old.seed != new.seed:
         raise IncompatibleResultsError(
-            f"cannot resume: {'; '.join(differences)}. Choose another --out, or the same "
-            "agents, envs, episodes (or more of them), seed, code and versions"
+            f"cannot resume: base seed: {old.seed} there, {new.seed} now: {fix}"
         )
-    return replace(new, created=old.created, wall_seconds=old.wall_seconds)
+    if not new.plan.extends(old.plan):
+        raise IncompatibleResultsError(
+            f"cannot resume: plan: {_described(old.plan)} there is not contained in "
+            f"{_described(new.plan)} now: {fix}"
+        )
+    differences = tuple(_differences(old, new))
+    if differences and not allow_mixed:
+        raise IncompatibleResultsError(
+            f"cannot resume: {'; '.join(differences)}: choose another --out, or --allow-mixed "
+            "where there is one, which every report will flag"
+        )
+    return replace(
+        new,
+        created=old.created,
+        wall_seconds=old.wall_seconds,
+        settings={**old.settings, **new.settings},
+        mixed=(*old.mixed, *differences),
+    )
+
+
+def _differences(old: Manifest, new: Manifest) -> Iterator[str]:
+    """What both know and do not agree on; agents that are new have no other past."""
+    pairs = [
+        ("code", old.code, new.code),
+        *((name, old.packages.get(name), now) for name, now in new.packages.items()),
+        *((name, old.settings.get(name, now), now) for name, now in new.settings.items()),
+    ]
+    for name, before, now in pairs:
+        if before != now:
+            yield f"{name}: {before!r} there, {now!r} now"
 
 
 def _described(plan: Plan) -> str:

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import sys
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from datetime import timedelta
+from time import monotonic
+from typing import Final
 
 from rich.console import Console
 from rich.markup import escape
@@ -13,7 +17,11 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from benchmarks.rows import Row
 from benchmarks.runner import Watch
 
-_LINES_WITHOUT_TERMINAL = 10
+_LINES_WITHOUT_TERMINAL: Final = 10
+_AGENTS_APART: Final = 4
+"""So many agents have their rates shown one by one."""
+_MEMORY: Final = 3600.0
+"""[s] of the past that the time left is estimated from; one episode can take minutes."""
 
 
 def watching(label: str) -> Watch:
@@ -34,7 +42,8 @@ class _Watcher:
         rates = _Rates(finished)
         console = Console(stderr=True)
         if not console.is_terminal:
-            yield lambda row: _print_now_and_then(self._label, rates.add(row), total)
+            clock = _Clock(total - len(finished))
+            yield lambda row: _print_now_and_then(self._label, rates.add(row), total, clock)
             return
         columns = (
             TextColumn("{task.description}"),
@@ -42,7 +51,7 @@ class _Watcher:
             MofNCompleteColumn(),
             TimeRemainingColumn(),
         )
-        with Progress(*columns, console=console) as progress:
+        with Progress(*columns, console=console, speed_estimate_period=_MEMORY) as progress:
             label = escape(self._label)
             task = progress.add_task(label, total=total, completed=len(finished))
 
@@ -54,24 +63,45 @@ class _Watcher:
 
 
 class _Rates:
-    """Counts so far."""
+    """Counts so far, of each agent."""
 
     def __init__(self, finished: Sequence[Row]) -> None:
-        self.rows = self._ok = self._won = 0
+        self.rows = self._errors = 0
+        self._ok: Counter[str] = Counter()
+        self._won: Counter[str] = Counter()
         for row in finished:
             self.add(row)
 
     def add(self, row: Row) -> _Rates:
         self.rows += 1
-        self._ok += row.status == "ok"
-        self._won += row.status == "ok" and row.success
+        self._errors += row.status == "error"
+        self._ok[row.agent] += row.status == "ok"
+        self._won[row.agent] += row.status == "ok" and row.success
         return self
 
     def __str__(self) -> str:
-        errors = self.rows - self._ok
-        return f"success {self._won}/{self._ok}" + (f", {errors} errors" if errors else "")
+        if 1 < len(self._ok) <= _AGENTS_APART:
+            rates = ", ".join(f"{name} {self._won[name]}/{n}" for name, n in self._ok.items())
+        else:
+            rates = f"{self._won.total()}/{self._ok.total()}"
+        return f"success {rates}" + (f", {self._errors} errors" if self._errors else "")
 
 
-def _print_now_and_then(label: str, rates: _Rates, total: int) -> None:
+class _Clock:
+    """How long the rest will take, if it goes on like this."""
+
+    def __init__(self, missing: int) -> None:
+        self._missing = missing
+        self._begun = monotonic()
+
+    def left(self, missing: int) -> str:
+        done = self._missing - missing
+        seconds = (monotonic() - self._begun) / max(1, done) * missing
+        return str(timedelta(seconds=round(seconds)))
+
+
+def _print_now_and_then(label: str, rates: _Rates, total: int, clock: _Clock) -> None:
     if rates.rows == total or rates.rows % max(1, total // _LINES_WITHOUT_TERMINAL) == 0:
-        print(f"{label}: {rates.rows}/{total} episodes, {rates}", file=sys.stderr, flush=True)
+        left = f", {clock.left(total - rates.rows)} left" if rates.rows < total else ""
+        line = f"{label}: {rates.rows}/{total} episodes, {rates}{left}"
+        print(line, file=sys.stderr, flush=True)

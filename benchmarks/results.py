@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import warnings
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from datetime import UTC, datetime
@@ -51,20 +51,30 @@ class ResultsFolder:
 
 
 @contextmanager
-def open_results(path: Path, plan: Plan, *, resume: bool) -> Iterator[ResultsFolder]:
+def open_results(
+    path: Path,
+    plan: Plan,
+    *,
+    resume: bool,
+    settings: Mapping[str, str | float] | None = None,
+    allow_mixed: bool = False,
+) -> Iterator[ResultsFolder]:
     """Open a folder for writing the rows of a plan, alone.
 
     Args:
         path: the folder; made if missing.
         plan: what will be run.
         resume: go on with results that are there; otherwise they are an error.
+        settings: what else decides how episodes end.
+        allow_mixed: go on even with other settings, code or versions; the manifest tells.
 
     Raises:
         ResultsError: not writable, in use, or unexpected results.
         IncompatibleResultsError: results of another plan, code or version.
     """
     with locked(path):
-        manifest, rows = _begin(path, plan, resume=resume)
+        begun = describe(plan, settings)
+        manifest, rows = _begin(path, begun, resume=resume, allow_mixed=allow_mixed)
         start = perf_counter()
         try:
             yield ResultsFolder(path, rows)
@@ -103,15 +113,16 @@ def read_rows(path: Path) -> list[Row]:
     return _unique(path / ROWS_NAME, _parse(path / ROWS_NAME, _read_lines(path / ROWS_NAME)))
 
 
-def _begin(path: Path, plan: Plan, *, resume: bool) -> tuple[Manifest, list[Row]]:
-    manifest = describe(plan)
+def _begin(
+    path: Path, manifest: Manifest, *, resume: bool, allow_mixed: bool
+) -> tuple[Manifest, list[Row]]:
     try:
         if any((path / name).exists() for name in (MANIFEST_NAME, ROWS_NAME)):
             if not resume:
                 raise ResultsError(
                     f"{path} has results already: go on with --resume, or choose another --out"
                 )
-            manifest = continued(read_manifest(path), manifest)
+            manifest = continued(read_manifest(path), manifest, allow_mixed=allow_mixed)
             rows = read_rows(path)
             _mend_tail(path / ROWS_NAME)
         else:

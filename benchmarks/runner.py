@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, closing, contextmanager
 from functools import partial
 from pathlib import Path
 
-from benchmarks.executors import execute
-from benchmarks.plan import Job, Plan
-from benchmarks.provenance import cpu_count
+from benchmarks.attempt import Attempt, Played, Settings
+from benchmarks.executors import Executor, Work
+from benchmarks.plan import Plan
 from benchmarks.results import open_results
 from benchmarks.rows import Row, error_row
+from benchmarks.worker import Loss
 
-Work = Callable[[Job], Row]
+Episodes = Work[Attempt, Played]
 Watch = Callable[[int, Sequence[Row]], AbstractContextManager[Callable[[Row], None]]]
 """Given the number of all jobs and the earlier rows: a context that is shown each new row."""
 
@@ -24,20 +25,36 @@ def unwatched(total: int, finished: Sequence[Row]) -> Iterator[Callable[[Row], N
     yield lambda row: None
 
 
-def episodes(workers: int) -> Work:
-    """Work that runs an agent; planner threads share the cores with the other workers."""
-    from benchmarks.episode import run_episode
+def episodes(settings: Settings) -> Episodes:
+    """Work that runs agents, each in processes of its own."""
+    from benchmarks.episode import play
 
-    return partial(run_episode, threads=max(1, cpu_count() // workers))
+    return Work(
+        partial(play, settings=settings),
+        lost,
+        group=_agent,
+        seconds=settings.episode_seconds,
+    )
+
+
+def lost(attempt: Attempt, loss: Loss) -> Played:
+    """Row of an episode whose worker hung or died."""
+    return Played(error_row(attempt.job, str(loss), steps=loss.step, seconds=loss.seconds))
+
+
+def _agent(attempt: Attempt) -> str:
+    return attempt.job.agent
 
 
 def run(
     plan: Plan,
     out: Path,
-    work: Work,
+    work: Episodes,
+    executor: Executor,
     *,
-    workers: int = 1,
+    settings: Mapping[str, str | float] | None = None,
     resume: bool = False,
+    allow_mixed: bool = False,
     watch: Watch = unwatched,
 ) -> list[Row]:
     """Do every job of the plan that has no row yet.
@@ -45,9 +62,11 @@ def run(
     Args:
         plan: what to run.
         out: results folder.
-        work: picklable function that does one job, e.g. ``episodes(workers)``.
-        workers: processes; with 1 everything happens in this one.
+        work: what makes a row of a job, e.g. ``episodes(Settings())``.
+        executor: who does it.
+        settings: what decides how episodes end, for the manifest.
         resume: go on with results that are in the folder.
+        allow_mixed: even if they are of other settings, code or versions.
         watch: shows progress.
 
     Returns:
@@ -57,18 +76,16 @@ def run(
         ResultsError: the folder cannot be used; nothing in it was changed.
     """
     jobs = plan.jobs()
-    with open_results(out, plan, resume=resume) as folder:
+    with open_results(
+        out, plan, resume=resume, settings=settings, allow_mixed=allow_mixed
+    ) as folder:
         finished = {row.key for row in folder.rows}
-        pending = [job for job in jobs if job.key not in finished]
+        attempts = [Attempt(job) for job in jobs if job.key not in finished]
         with (
             watch(len(jobs), tuple(folder.rows)) as seen,
-            closing(execute(work, pending, workers, _lost)) as rows,
+            closing(executor.execute(work, attempts)) as played,
         ):
-            for row in rows:
+            for row, _ in played:
                 folder.append(row)
                 seen(row)
         return folder.rows
-
-
-def _lost(job: Job) -> Row:
-    return error_row(job, "worker died: the process was killed or crashed, twice")

@@ -45,9 +45,7 @@ class SceneField(nn.Module):
             nn.Linear(2 * channels + 2, edge), nn.LeakyReLU(), nn.Linear(edge, edge)
         )
         gathered = len(SHARPNESS) * (channels + 1) + 1
-        self.vectors = nn.Sequential(
-            VectorLinear(gathered, channels), VectorLeakyReLU(channels)
-        )
+        self.vectors = nn.Sequential(VectorLinear(gathered, channels), VectorLeakyReLU(channels))
         self.invariants = Invariants(channels)
         scalars = len(SHARPNESS) * edge + 3 * channels + 1
         self.trunk = nn.Sequential(

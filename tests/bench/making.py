@@ -4,12 +4,18 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from benchmarks import episode
+from benchmarks.attempt import Attempt, Settings
 from benchmarks.conditions import TaskSpec
-from benchmarks.episode import run_episode
+from benchmarks.executors import Executor, InProcess
 from benchmarks.plan import Job, Plan
+from benchmarks.pulse import Pulse
 from benchmarks.rows import Row
 from benchmarks.runner import episodes, run
 from tests.bench import toy
+
+IN_PROCESS = InProcess()
+LIMITS = Settings(act_seconds=20.0, episode_seconds=60.0)
 
 
 def make_row(**fields: object) -> Row:
@@ -35,15 +41,21 @@ def make_row(**fields: object) -> Row:
 
 def play(agent: type, env: str = toy.ENV, seed: int = 2) -> Row:
     """One toy episode in this process."""
-    return run_episode(Job(toy.spec(agent), env, index=0, seed=seed))
+    attempt = Attempt(Job(toy.spec(agent), env, index=0, seed=seed))
+    return episode.play(attempt, Pulse(), Settings()).row
 
 
 def run_toys(
-    out: Path, *agents: type, n: int = 4, workers: int = 1, **options: object
+    out: Path,
+    *agents: type,
+    n: int = 4,
+    executor: Executor = IN_PROCESS,
+    limits: Settings = LIMITS,
+    **options: object,
 ) -> list[Row]:
     """A run of toy agents, without times, in the plan's order."""
     plan = Plan(tuple(toy.spec(agent) for agent in agents), (TaskSpec(toy.ENV),), n, seed=7)
-    rows = run(plan, out, episodes(workers), workers=workers, **options)
+    rows = run(plan, out, episodes(limits), executor, settings=limits.record(), **options)
     return in_order(rows)
 
 

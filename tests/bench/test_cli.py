@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 
 from benchmarks import gates, registry
 from benchmarks.cli import main
+from benchmarks.manifest import FILE_NAME as MANIFEST_NAME
 from benchmarks.results import ROWS_NAME
 from tests.bench import toy
 from tests.bench.test_gates import Gate
@@ -125,7 +126,13 @@ def test_results_are_kept_without_resume_and_incompatible_resume_exits_3(tmp_pat
     other = run(tmp_path / "out", toy.Straight, "--seed", 1, "--resume")
     assert (other.exit_code, other.stdout) == (3, "")
     assert "base seed: 0 there, 1 now" in other.stderr
+    changed = ("--resume", "--act-seconds", 9, "--episodes", 4)
+    assert run(tmp_path / "out", toy.Straight, *changed).exit_code == 3
     assert (tmp_path / "out" / ROWS_NAME).read_bytes() == before
+    mixed = run(tmp_path / "out", toy.Straight, *changed, "--allow-mixed", "--json")
+    assert mixed.exit_code == 0, mixed.stderr
+    assert json.loads(mixed.stdout)[0]["episodes"] == 4
+    assert "act_seconds" in json.loads((tmp_path / "out" / MANIFEST_NAME).read_text())["mixed"][0]
 
 
 def test_gates_print_json_and_exit_by_verdict(

@@ -6,6 +6,7 @@ from types import ModuleType, SimpleNamespace
 
 import pytest
 
+from benchmarks.executors import InProcess
 from benchmarks.expert_runs import ExpertRuns
 from benchmarks.gates import GATES, AgentRuns, Gate, gates_of, judge, run_gates
 from benchmarks.progress import watching
@@ -125,7 +126,7 @@ def test_gates_run_agents_and_experts_once_and_resume(
     ]
 
     def verdicts() -> dict[str, tuple]:
-        judged = run_gates(toy.ENV, gates, tmp_path, workers=1, resume=True, watch=watching)
+        judged = run_gates(toy.ENV, gates, tmp_path, InProcess(), resume=True, watch=watching)
         return {name: (v.value, v.n, v.ok) for name, v in judged.items()}
 
     first = verdicts()
@@ -146,5 +147,5 @@ def test_agent_that_cannot_be_imported_fails_before_anything_runs(tmp_path: Path
         Gate("bad", AgentRuns(toy.spec("Nobody"), 1), "success", ">=", 0.0),
     ]
     with pytest.raises(InvalidOptionError, match="Nobody"):
-        run_gates(toy.ENV, gates, tmp_path, workers=1, resume=True, watch=watching)
+        run_gates(toy.ENV, gates, tmp_path, InProcess(), resume=True, watch=watching)
     assert list(tmp_path.iterdir()) == []

@@ -1,22 +1,10 @@
-"""Runs of several episodes, here and in worker processes."""
+"""Runs of several episodes; what workers do to them is told in tests/faults."""
 
 from pathlib import Path
 
 from benchmarks.results import ROWS_NAME, read_rows
 from tests.bench import toy
 from tests.bench.making import run_toys
-
-
-def test_two_workers_give_the_rows_of_one_and_survive_a_dying_worker(tmp_path: Path) -> None:
-    alone = run_toys(tmp_path / "1", toy.Drunk, toy.Straight, n=4)
-    together = run_toys(tmp_path / "2", toy.Drunk, toy.Straight, toy.Killer, n=4, workers=2)
-    killers = [row for row in together if row.agent == toy.spec(toy.Killer)]
-    assert [row for row in together if row not in killers] == alone
-    assert len(killers) == 4
-    assert {row.seed % 2 for row in killers} == {0, 1}, "the test needs both kinds of episode"
-    for row in killers:
-        assert row.status == ("error" if row.seed % 2 else "ok")
-        assert ("worker died" in row.message) == bool(row.seed % 2)
 
 
 def test_rows_do_not_depend_on_the_other_agents(tmp_path: Path) -> None:

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
+import random
+import signal
+import subprocess
+import sys
 import time
 from pathlib import Path
 from typing import Any
@@ -200,11 +205,70 @@ class Flat(Straight):
 
 
 class Killer(Straight):
-    """Kills its process in episodes of odd seed."""
+    """Ends its process in episodes of odd seed."""
+
+    def end(self) -> None:
+        os._exit(11)
 
     def act(self, observation: dict[str, np.ndarray]) -> np.ndarray:
         if self.seed % 2:
-            os._exit(11)
+            self.end()
+        return super().act(observation)
+
+
+class Killed(Killer):
+    """Is killed, as the system does when memory runs out."""
+
+    def end(self) -> None:
+        os.kill(os.getpid(), signal.SIGKILL)
+
+
+class Crasher(Killer):
+    """Reads where nothing is."""
+
+    def end(self) -> None:
+        ctypes.string_at(0)
+
+
+class Meddler(Straight):
+    """Changes whatever a process has: what it prints to, its folder, variables, generators."""
+
+    def act(self, observation: dict[str, np.ndarray]) -> np.ndarray:
+        os.chdir("/")
+        os.environ.clear()
+        random.seed(0)
+        np.random.seed(0)  # noqa: NPY002
+        np.seterr(all="raise")
+        sys.stdout = sys.stderr = None
+        sys.path.clear()
+        gym.registry.clear()
+        return np.zeros(3)
+
+
+class Gambler(Straight):
+    """Draws from generators that are not its own."""
+
+    def act(self, observation: dict[str, np.ndarray]) -> np.ndarray:
+        if random.random() < 0.5:
+            return np.zeros(3)
+        return super().act(observation) + np.random.normal(0.0, 0.7, 3)  # noqa: NPY002
+
+
+class Homebody(Straight):
+    """Needs its folder and its variables."""
+
+    def act(self, observation: dict[str, np.ndarray]) -> np.ndarray:
+        assert Path.cwd() != Path("/")
+        assert os.environ["PATH"]
+        return super().act(observation)
+
+
+class Parent(Sleeper):
+    """Starts a process that would outlive it, and leaves its id in a file of a fixed name."""
+
+    def act(self, observation: dict[str, np.ndarray]) -> np.ndarray:
+        child = subprocess.Popen(["sleep", "60"])
+        Path(os.environ[LOCKS], "child").write_text(str(child.pid))
         return super().act(observation)
 
 

@@ -11,6 +11,10 @@ ROOT = Path(__file__).parents[2]
 PACKAGES = ("icd_envs", "icd_agent", "baselines", "benchmarks")
 FILES = sorted(path for package in PACKAGES for path in (ROOT / package).rglob("*.py"))
 LONGEST = 500
+EXEMPT = {
+    # Seeds the global generators in worker processes, for agents that draw from them.
+    "no_global_random_state": {"benchmarks/generators.py"},
+}
 
 OFFENCES = {
     "no_pickle": [
@@ -72,7 +76,10 @@ def test_there_are_files_of_every_package() -> None:
 
 @pytest.mark.parametrize("rule", RULES)
 def test_no_file_breaks_a_rule(rule: Rule) -> None:
-    assert offences(rule, FILES) == []
+    exempt = EXEMPT.get(rule.__name__, set())
+    files = [path for path in FILES if path.relative_to(ROOT).as_posix() not in exempt]
+    assert len(files) == len(FILES) - len(exempt)
+    assert offences(rule, files) == []
 
 
 def test_no_environment_looks_at_the_clock() -> None:

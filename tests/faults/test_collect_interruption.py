@@ -20,10 +20,11 @@ SCRIPT = """
 import sys
 from pathlib import Path
 from benchmarks.collect import collect
+from benchmarks.executors import Local
 from icd_envs.demonstrations.header import Header
 if __name__ == "__main__":
     fields = {fields!r}
-    collect(Header(**fields), Path(sys.argv[1]), workers=int(sys.argv[2]))
+    collect(Header(**fields), Path(sys.argv[1]), Local(int(sys.argv[2])))
 """
 
 
