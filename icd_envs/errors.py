@@ -42,6 +42,14 @@ class DemonstrationsError(IcdError, ValueError):
     """Recorded demonstrations that are missing, damaged, or of another version of a task."""
 
 
+class TrainingError(IcdError, RuntimeError):
+    """A training run that cannot go on: its loss is not finite, or its state is not its own."""
+
+
+class CheckpointError(IcdError, ValueError):
+    """Weights that are missing, damaged, or of something else."""
+
+
 class RenderingUnavailableError(IcdError, RuntimeError):
     """OpenGL could not be initialised; physics, point clouds and the benchmark work without it."""
 

@@ -234,8 +234,8 @@ class CableRoutingEnv(ContactEnv[CableRoutingScene]):
 class CableRoutingAdaptationEnv(CableRoutingEnv):
     """Cable routing with a goal that was specified in another scene (paper, adaptation test).
 
-    Goal and ``goal_scene`` belong together; in the present scene every clip is moved by 8 to 16 cm
-    and turned by 10 to 40 degrees. The goal is reached when the cable passes every clip as it does
+    Goal and ``goal_scene`` belong together; in the present scene every clip is moved by 8 to 18 cm,
+    at least 8 of them out of or against its mouth, and turned by 10 to 40 degrees. The goal is reached when the cable passes every clip as it does
     there, wherever that is now. All else is as in ``ICDCableRouting-v0``; note that the dense
     reward's distance is to a cloud in the wrong place.
 

@@ -7,6 +7,7 @@ import pytest
 
 from icd_envs.errors import InvalidOptionError
 from icd_envs.scenes import cable_routing, notebook_folding
+from icd_envs.scenes.boxes import rotation_z
 from icd_envs.tasks.cable_routing import CableRoutingAdaptation
 from icd_envs.tasks.notebook_folding import NotebookFoldingAdaptation
 from icd_envs.tasks.problem import draw_problem, matched_parts, scene_rng
@@ -23,9 +24,10 @@ def test_every_clip_is_moved_and_turned(clips: int) -> None:
     for seed in SEEDS:
         scene, goal_scene = task.draw_scenes(np.random.default_rng(seed))
         moved = np.abs(scene.clip_poses - goal_scene.clip_poses)
-        distance = np.linalg.norm(moved[:, :2], axis=1)
-        low, high = cable_routing.PERTURBED_DISTANCE
-        assert np.all((distance >= low) & (distance <= high))
+        assert np.all(np.linalg.norm(moved[:, :2], axis=1) <= cable_routing.PERTURBED_DISTANCE)
+        for clip, after in zip(goal_scene.clips, scene.clips, strict=True):
+            local = rotation_z(clip.yaw).T @ (after.origin - clip.origin)
+            assert abs(local[0]) >= cable_routing.PERTURBED_ACROSS
         low, high = cable_routing.PERTURBED_TURN
         assert np.all((moved[:, 2] >= low) & (moved[:, 2] <= high))
         assert scene.contacts == goal_scene.contacts

@@ -123,3 +123,14 @@ def test_float32_points_give_float64_distances() -> None:
 def test_no_points_give_no_distances(count: int) -> None:
     boxes = random_boxes(np.random.default_rng(0), count)
     assert BoxUnion(boxes)(np.empty((0, 3))).shape == (0,)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_gradient_is_the_derivative_of_the_distance(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    union, points, step = BoxUnion(random_boxes(rng, 4)), rng.uniform(-0.6, 0.6, (3000, 3)), 1e-6
+    slopes = [(union(points + e) - union(points - e)) / (2 * step) for e in step * np.eye(3)]
+    gradient = union.gradient(points)
+    np.testing.assert_allclose(np.linalg.norm(gradient, axis=1), 1.0, atol=1e-12)
+    agree = np.abs(np.stack(slopes, axis=1) - gradient).max(axis=1) < 1e-4
+    assert agree.mean() > 0.998  # the rest lie on a kink

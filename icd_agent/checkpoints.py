@@ -1,0 +1,111 @@
+"""Trained networks on disk: ``config.json`` and ``model.safetensors``, never a pickle."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Callable
+from dataclasses import asdict, is_dataclass
+from pathlib import Path
+from typing import Any, Final, TypeVar
+
+from safetensors import SafetensorError
+from safetensors.torch import load, save
+from torch import nn
+
+from icd_envs.errors import CheckpointError
+
+CONFIG_NAME: Final = "config.json"
+WEIGHTS_NAME: Final = "model.safetensors"
+FORMAT: Final = 1
+
+ModelT = TypeVar("ModelT", bound=nn.Module)
+
+
+def save_checkpoint(
+    folder: Path, kind: str, model: nn.Module, config: object, about: dict[str, Any]
+) -> None:
+    """Write a network; the config names the weights' sha256, so that the pair is checked.
+
+    Args:
+        folder: made if it is missing; files of the same names are replaced.
+        kind: what the network is, e.g. ``field``.
+        model: its weights are saved in their own precision.
+        config: frozen dataclass that the network is built from.
+        about: how it was trained, for people.
+    """
+    if not is_dataclass(config) or isinstance(config, type):
+        raise TypeError(f"config must be a dataclass, got {config!r}")
+    folder.mkdir(parents=True, exist_ok=True)
+    weights = save({name: x.detach().cpu().contiguous() for name, x in model.state_dict().items()})
+    record = {
+        "format": FORMAT,
+        "kind": kind,
+        "config": asdict(config),
+        "sha256": hashlib.sha256(weights).hexdigest(),
+        "about": about,
+    }
+    _write(folder / WEIGHTS_NAME, weights)
+    _write(folder / CONFIG_NAME, (json.dumps(record, indent=2) + "\n").encode())
+
+
+def load_checkpoint(folder: Path, kind: str, build: Callable[[dict[str, Any]], ModelT]) -> ModelT:
+    """Read a network, checked against its sha256, in evaluation mode.
+
+    Args:
+        folder: written by ``save_checkpoint``.
+        kind: what must be there.
+        build: makes the network from the config's fields.
+
+    Raises:
+        CheckpointError: missing, damaged, of another kind or format, or weights that do not fit
+            or are not finite; names the file.
+    """
+    record = _read_config(folder / CONFIG_NAME)
+    if record["format"] != FORMAT or record["kind"] != kind:
+        raise CheckpointError(
+            f"{folder / CONFIG_NAME} is a {record['kind']!r} of format {record['format']!r}, "
+            f"expected {kind!r} of format {FORMAT}"
+        )
+    path = folder / WEIGHTS_NAME
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise CheckpointError(f"cannot read {path}: {error}") from error
+    if hashlib.sha256(content).hexdigest() != record["sha256"]:
+        raise CheckpointError(
+            f"{path} is damaged or not the file that {CONFIG_NAME} belongs to: its sha256 differs; "
+            "get both again"
+        )
+    try:
+        model = build(record["config"])
+        model.load_state_dict(load(content))
+    except (SafetensorError, RuntimeError, TypeError, ValueError) as error:
+        raise CheckpointError(f"{path} does not fit its config: {error}") from error
+    for name, value in model.state_dict().items():
+        if value.is_floating_point() and not bool(value.isfinite().all()):
+            raise CheckpointError(f"{path}: {name} is not finite")
+    return model.eval()
+
+
+def _read_config(path: Path) -> dict[str, Any]:
+    try:
+        record = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise CheckpointError(f"cannot read {path}: {error}") from error
+    wanted = {"format": int, "kind": str, "config": dict, "sha256": str, "about": dict}
+    if not isinstance(record, dict) or any(
+        type(record.get(name)) is not kind for name, kind in wanted.items()
+    ):
+        raise CheckpointError(f"{path} is no checkpoint: it must have the keys {sorted(wanted)}")
+    return record
+
+
+def _write(path: Path, content: bytes) -> None:
+    beside = path.with_name(path.name + ".new")
+    with beside.open("wb") as file:
+        file.write(content)
+        file.flush()
+        os.fsync(file.fileno())
+    os.replace(beside, path)
