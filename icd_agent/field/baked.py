@@ -134,7 +134,7 @@ class BakedField:
             parts = [
                 field.query(code, chunk[None]).descriptor[0]
                 for grid in self._grids
-                for chunk in torch.from_numpy(grid.points()).split(CHUNK)
+                for chunk in torch.split(torch.from_numpy(grid.points()), CHUNK)
             ]
         self._table = torch.cat(parts)
 

@@ -92,7 +92,7 @@ def train(
                 f"{config.learning_rate}; the state of the last save is in {out}"
             )
         optimizer.zero_grad(set_to_none=True)
-        found["loss"].backward()
+        torch.autograd.backward(found["loss"])
         nn.utils.clip_grad_norm_(model.parameters(), config.clip)
         optimizer.step()
         _follow(average, model, min(config.ema, (1 + step) / (10 + step)))

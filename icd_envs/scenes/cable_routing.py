@@ -53,6 +53,8 @@ PERTURBED_ACROSS: Final = 0.08
 more than the throat is wide, or a cable that is led along the old places still ends up in it."""
 PERTURBED_DISTANCE: Final = 0.18
 """[m] by which it is moved at most."""
+PERTURB_DRAWS: Final = 1000
+"""Scenes drawn in search of a perturbed one."""
 PERTURBED_TURN: Final = (0.17, 0.7)
 """[rad] by which it is turned, either way: 10 to 40 degrees."""
 
@@ -146,17 +148,20 @@ def draw_contacts(rng: np.random.Generator, num_fixtures: int) -> tuple[Contact,
             return contacts
 
 
-def perturb(scene: CableRoutingScene, rng: np.random.Generator) -> CableRoutingScene:
+def perturb(scene: CableRoutingScene, rng: np.random.Generator) -> CableRoutingScene | None:
     """Another scene of the same kind, in which every clip stands elsewhere and otherwise turned.
 
-    Scenes are drawn until one fits: 50 on average with two clips, 1300 with four, a few tens of
-    microseconds each. So perturbed scenes are as solvable as any.
+    Scenes are drawn until one fits (on average 50 with two clips, 1300 with four), so that
+    perturbed scenes are as solvable as any. For some scenes hardly any other fits.
 
     Args:
         scene: what to perturb; contacts and cable are kept.
         rng: source of every draw.
+
+    Returns:
+        The other scene, or None if none of ``PERTURB_DRAWS`` fits.
     """
-    while True:
+    for _ in range(PERTURB_DRAWS):
         other = draw_scene(rng, len(scene.clips), scene.cable)
         moved = other.clip_poses - scene.clip_poses
         mouths = np.stack([clip.mouth[:2] for clip in scene.clips])
@@ -166,6 +171,7 @@ def perturb(scene: CableRoutingScene, rng: np.random.Generator) -> CableRoutingS
         fits &= (turn >= PERTURBED_TURN[0]) & (turn <= PERTURBED_TURN[1])
         if np.all(fits):
             return replace(other, contacts=scene.contacts)
+    return None
 
 
 def _direction(angle: float) -> Float64Array:

@@ -161,8 +161,11 @@ class CableRoutingAdaptation(CableRouting):
 
     def draw_scenes(self, rng: np.random.Generator) -> Scenes[CableRoutingScene]:
         """The goal's scene as in cable routing, and one in which every clip stands elsewhere."""
-        goal_scene = super().draw_scenes(rng).scene
-        return Scenes(perturb(goal_scene, rng), goal_scene)
+        while True:
+            goal_scene = super().draw_scenes(rng).scene
+            scene = perturb(goal_scene, rng)
+            if scene is not None:
+                return Scenes(scene, goal_scene)
 
 
 class CableRoutingEnv(ContactEnv[CableRoutingScene]):
@@ -235,9 +238,10 @@ class CableRoutingAdaptationEnv(CableRoutingEnv):
     """Cable routing with a goal that was specified in another scene (paper, adaptation test).
 
     Goal and ``goal_scene`` belong together; in the present scene every clip is moved by 8 to 18 cm,
-    at least 8 of them out of or against its mouth, and turned by 10 to 40 degrees. The goal is reached when the cable passes every clip as it does
-    there, wherever that is now. All else is as in ``ICDCableRouting-v0``; note that the dense
-    reward's distance is to a cloud in the wrong place.
+    at least 8 of them out of or against its mouth, and turned by 10 to 40 degrees. The goal is
+    reached when the cable passes every clip as it does there, wherever that is now. All else is as
+    in ``ICDCableRouting-v0``; note that the dense reward's distance is to a cloud in the wrong
+    place.
 
     Version history:
         v0: first.
