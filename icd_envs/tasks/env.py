@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from icd_envs.api import (
     BoolArray,
+    CommonInfo,
     Episode,
     Float32Array,
     Float64Array,
@@ -366,11 +367,11 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
 
     def _info(self, matched: BoolArray, *, action_clipped: bool) -> Info:
         problem = self._require_problem("info")
-        return {
+        common: CommonInfo = {
             "is_success": bool(matched.all()) and not self._diverged,
             "complete_rate": 0.0 if self._diverged else float(matched.mean()),
             "diverged": self._diverged,
             "action_clipped": action_clipped,
             "buffer_overflows": problem.plant.buffer_overflows(),
-            **{name: value.copy() for name, value in problem.parameters.items()},
         }
+        return {**common, **{name: value.copy() for name, value in problem.parameters.items()}}

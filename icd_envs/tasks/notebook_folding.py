@@ -132,11 +132,13 @@ class NotebookFoldingEnv(ContactEnv[NotebookFoldingScene]):
     Observation: ``icd_envs.api.Observation``; the object cloud is a grid of 20 columns from the
     held edge to the free one, each of 10 points from left to right.
 
-    Action: ``Box(-1, 1, (3,))``, translation of the gripper in units of 0.03 m per control step
-    of 0.05 s.
+    Action: translation of the gripper in units of 0.03 m per control step of 0.05 s.
 
     Reward: ``sparse``: 0 on success, else -1. ``dense``: complete rate - 1 - mean distance [m]
     between corresponding points of object and goal.
+
+    Success: the mean distance of corresponding points of object and goal is below 0.05 m; the
+    complete rate is 0 or 1.
 
     End of episode: ``terminated`` once success has held for 10 steps, or if the physics diverged;
     truncated after 150 steps.
