@@ -42,6 +42,10 @@ class DemonstrationsError(IcdError, ValueError):
     """Recorded demonstrations that are missing, damaged, or of another version of a task."""
 
 
+class SceneExportError(IcdError, ValueError):
+    """A scene that cannot be written as a mesh file."""
+
+
 class RenderingUnavailableError(IcdError, RuntimeError):
     """OpenGL could not be initialised; physics, point clouds and the benchmark work without it."""
 
