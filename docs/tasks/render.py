@@ -69,7 +69,7 @@ def write_gif(path: Path, frames: list[Frame]) -> None:
     """
     kept = [*frames[:-1:GIF_EVERY], frames[-1]]
     small = [Image.fromarray(shrunk(frame, GIF_WIDTH)) for frame in kept]
-    palette = Image.fromarray(_shares_of_colours(frames)).quantize(COLOURS)
+    palette = Image.fromarray(_shares_of_colours(frames)).quantize(COLOURS, kmeans=1)
     flat = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in small]
     periods = [GIF_PERIOD] * (len(flat) - 1) + [GIF_REST]
     flat[0].save(
@@ -90,7 +90,7 @@ def _shares_of_colours(frames: list[Frame]) -> Frame:
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--env", choices=ENV_IDS, help="only this one")
-    parser.add_argument("--index", type=int, default=1, help="of the test scene")
+    parser.add_argument("--index", type=int, default=3, help="of the test scene")
     options = parser.parse_args()
     for env_id in [options.env] if options.env else ENV_IDS:
         draw(env_id, options.index)

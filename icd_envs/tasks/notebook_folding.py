@@ -189,6 +189,9 @@ class NotebookFoldingAdaptationEnv(NotebookFoldingEnv):
     table. All else is as in ``ICDNotebookFolding-v0``; note that the dense reward's distance is to
     a cloud in the wrong place.
 
+    Success: object and goal both lie folded on the table, or neither does, each in its own scene;
+    the complete rate is 0 or 1.
+
     Version history:
         v0: first.
     """
