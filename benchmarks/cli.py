@@ -233,6 +233,26 @@ def collect(
         print_values(values)
 
 
+@main.command(name="export-scene")
+def export_scene(
+    env: Annotated[str, typer.Option(help="Environment id.")],
+    out: Annotated[Path, typer.Option(help="File to write; ends in .glb.")],
+    seed: Annotated[int, typer.Option(min=0, help="Of the scene, as for reset.")] = 0,
+    split: Annotated[str, typer.Option(help="train or test.")] = "train",
+    as_json: AsJson = False,
+) -> None:
+    """Write a scene at its start as a mesh file (glTF) for papers, slides and web pages."""
+    with _errors_in_one_line():
+        from benchmarks import export_command
+        from benchmarks.tables import print_values
+
+        values = export_command.export_scene(env, out, seed=seed, split=split)
+    if as_json:
+        typer.echo(json.dumps(values))
+    else:
+        print_values(values)
+
+
 @main.command()
 def perf(
     repeats: Annotated[int, typer.Option(min=1, help="Interleaved repeats; medians.")] = 5,

@@ -25,8 +25,9 @@ class Observation(TypedDict):
         observation: (6,) gripper position [m] and velocity [m/s].
         achieved_goal: (200, 3) object cloud; point i is always the same material point.
         desired_goal: (200, 3) object cloud at the goal.
-        scene: (1000, 3) points on the surfaces of the present scene.
-        goal_scene: (1000, 3) the scene the goal was specified in.
+        scene: (1000, 3) points on the visible surfaces of the present scene: 800 of what stands
+            in it, 200 of the floor around that.
+        goal_scene: (1000, 3) the same of the scene that the goal was specified in.
     """
 
     observation: Float32Array
@@ -48,6 +49,24 @@ class PartialObservation(Observation):
 
     achieved_goal_mask: Float32Array
     scene_mask: Float32Array
+
+
+class CommonInfo(TypedDict):
+    """What ``info`` holds in every environment, after reset and step; a task adds its parameters.
+
+    Attributes:
+        is_success: every part of the goal is reached now.
+        complete_rate: share of the parts that are reached, in [0, 1]; 0 after a divergence.
+        diverged: the physics blew up; the observation is the last good one.
+        action_clipped: the action was not in [-1, 1].
+        buffer_overflows: how often MuJoCo had no room for a contact since the state was last set.
+    """
+
+    is_success: bool
+    complete_rate: float
+    diverged: bool
+    action_clipped: bool
+    buffer_overflows: int
 
 
 @dataclass(frozen=True)

@@ -50,6 +50,10 @@ class CheckpointError(IcdError, ValueError):
     """Weights that are missing, damaged, or of something else."""
 
 
+class SceneExportError(IcdError, ValueError):
+    """A scene that cannot be written as a mesh file."""
+
+
 class RenderingUnavailableError(IcdError, RuntimeError):
     """OpenGL could not be initialised; physics, point clouds and the benchmark work without it."""
 

@@ -178,11 +178,13 @@ class CableRoutingEnv(ContactEnv[CableRoutingScene]):
     Observation: ``icd_envs.api.Observation``; the object cloud runs along the cable's centre line
     from the fixed end to the held one.
 
-    Action: ``Box(-1, 1, (3,))``, translation of the gripper in units of 0.03 m per control step
-    of 0.05 s.
+    Action: translation of the gripper in units of 0.03 m per control step of 0.05 s.
 
     Reward: ``sparse``: 0 on success, else -1. ``dense``: complete rate - 1 - mean distance [m]
     between corresponding points of object and goal.
+
+    Success: every clip is passed with the same net sign as the goal passes it; the complete rate
+    is the share of such clips.
 
     End of episode: ``terminated`` once success has held for 10 steps, or if the physics diverged;
     truncated after 300 steps, 500 with three clips, 700 with four.

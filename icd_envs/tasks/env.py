@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from icd_envs.api import (
     BoolArray,
+    CommonInfo,
     Episode,
     Float32Array,
     Float64Array,
@@ -30,6 +31,7 @@ from icd_envs.errors import (
 from icd_envs.geometry.point_cloud import sample_scene
 from icd_envs.geometry.sdf import BoxUnion
 from icd_envs.physics.guard import BOUND
+from icd_envs.physics.plant import Plant
 from icd_envs.physics.simulator import RolloutSimulator
 from icd_envs.rendering import SceneRenderer
 from icd_envs.scenes.arena import MAX_HEIGHT, MAX_WIDTH, SUBSTEPS, TIMESTEP
@@ -131,6 +133,15 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
         self._spec = spec
         if spec is not None and spec.max_episode_steps is None:
             spec.max_episode_steps = self.task.max_steps
+
+    @property
+    def plant(self) -> Plant:
+        """The compiled scene and its state, as MuJoCo's ``model`` and ``data``: to look at.
+
+        Raises:
+            EpisodeStateError: before ``reset`` or after ``close``.
+        """
+        return self._require_problem("plant").plant
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -366,11 +377,11 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
 
     def _info(self, matched: BoolArray, *, action_clipped: bool) -> Info:
         problem = self._require_problem("info")
-        return {
+        common: CommonInfo = {
             "is_success": bool(matched.all()) and not self._diverged,
             "complete_rate": 0.0 if self._diverged else float(matched.mean()),
             "diverged": self._diverged,
             "action_clipped": action_clipped,
             "buffer_overflows": problem.plant.buffer_overflows(),
-            **{name: value.copy() for name, value in problem.parameters.items()},
         }
+        return {**common, **{name: value.copy() for name, value in problem.parameters.items()}}

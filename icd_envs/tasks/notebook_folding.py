@@ -132,11 +132,13 @@ class NotebookFoldingEnv(ContactEnv[NotebookFoldingScene]):
     Observation: ``icd_envs.api.Observation``; the object cloud is a grid of 20 columns from the
     held edge to the free one, each of 10 points from left to right.
 
-    Action: ``Box(-1, 1, (3,))``, translation of the gripper in units of 0.03 m per control step
-    of 0.05 s.
+    Action: translation of the gripper in units of 0.03 m per control step of 0.05 s.
 
     Reward: ``sparse``: 0 on success, else -1. ``dense``: complete rate - 1 - mean distance [m]
     between corresponding points of object and goal.
+
+    Success: the mean distance of corresponding points of object and goal is below 0.05 m; the
+    complete rate is 0 or 1.
 
     End of episode: ``terminated`` once success has held for 10 steps, or if the physics diverged;
     truncated after 150 steps.
@@ -186,6 +188,9 @@ class NotebookFoldingAdaptationEnv(NotebookFoldingEnv):
     all sizes and obstacles are others. The goal is reached when the notebook lies folded on the
     table. All else is as in ``ICDNotebookFolding-v0``; note that the dense reward's distance is to
     a cloud in the wrong place.
+
+    Success: object and goal both lie folded on the table, or neither does, each in its own scene;
+    the complete rate is 0 or 1.
 
     Version history:
         v0: first.

@@ -20,8 +20,8 @@ def block(language: str, marker: str) -> str:
     return found[0]
 
 
-def test_readme_options_and_wrapper_example_runs() -> None:
-    code = block("python", "SubsamplePointCloud")
+def test_readme_options_example_runs() -> None:
+    code = block("python", "num_fixtures=3")
     result = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=240
     )

@@ -6,13 +6,21 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
+from baselines.point_net import PointNetExtractor
 from icd_envs import ENV_IDS
 from icd_envs.wrappers import FlattenPointCloud, SubsamplePointCloud
 
 
-def tiny() -> dict[str, list[int]]:
+def tiny(**more: object) -> dict[str, object]:
     """Policy settings, which SB3 writes into."""
-    return {"net_arch": [16]}
+    return {"net_arch": [16], **more}
+
+
+def tiny_point_net() -> dict[str, object]:
+    return tiny(
+        features_extractor_class=PointNetExtractor,
+        features_extractor_kwargs={"points": 20, "widths": (8, 16)},
+    )
 
 
 def small(env_id: str) -> SubsamplePointCloud:
@@ -29,7 +37,7 @@ def test_sac_with_hindsight_trains_for_300_steps(env_id: str) -> None:
         small(env_id),
         replay_buffer_class=HerReplayBuffer,
         replay_buffer_kwargs={"copy_info_dict": True},
-        policy_kwargs=tiny(),
+        policy_kwargs=tiny_point_net(),
         learning_starts=100,
         batch_size=16,
         buffer_size=300,

@@ -1,7 +1,7 @@
-"""Draw the pictures of notebook-folding.md: python docs/tasks/render_notebook_folding.py.
+"""Draw why notebook folding's threshold is where it is: python -m docs.tasks.render_threshold.
 
-The histograms show the mean distance to the goal at the end of noisy expert episodes: repeats of
-the scene with another speed and noise, the notebook left open, and the notebook folded beside the
+Histograms of the mean distance to the goal at the end of noisy expert episodes: repeats of the
+scene with another speed and noise, the notebook left open, and the notebook folded beside the
 table (about two minutes on one core; needs Matplotlib).
 """
 
@@ -9,24 +9,17 @@ from __future__ import annotations
 
 import argparse
 from collections import defaultdict
-from pathlib import Path
 
-import imageio.v3 as iio
 import numpy as np
-from numpy.typing import NDArray
 
-from benchmarks.suites import episode_seed
+from docs.tasks.filming import FOLDER
 from icd_envs.api import Float32Array
 from icd_envs.experts.notebook_folding import Fault, NotebookFoldingExpert, Style
 from icd_envs.geometry.folding import fold_gap
-from icd_envs.rendering import SceneRenderer
 from icd_envs.tasks.base import run_expert
-from icd_envs.tasks.env import GOAL_RADIUS
 from icd_envs.tasks.notebook_folding import GOAL_DISTANCE, NotebookFolding
-from icd_envs.tasks.problem import draw_problem, scene_rng
+from icd_envs.tasks.problem import scene_rng
 
-ENV_ID = "ICDNotebookFolding-v0"
-FOLDER = Path(__file__).parent / "img"
 UPRIGHT = 0.12
 """[m] gap between the covers when they are at right angles."""
 KINDS: dict[str, Fault | None] = {
@@ -34,35 +27,6 @@ KINDS: dict[str, Fault | None] = {
     "on the table, left open": "open",
     "folded beside the table": "beside",
 }
-
-
-def draw_expert(index: int) -> None:
-    """Start with the goal in red, the way there, and success from three sides."""
-    seed = episode_seed(0, ENV_ID, index)
-    problem = draw_problem(NotebookFolding(), scene_rng("test", seed), seed)
-    plant, goal = problem.plant, problem.oracle.points[-1]
-    start = plant.get_state()
-    ends = []
-    for camera in ("overview", "side", "top"):
-        plant.set_state(start)
-        renderer = SceneRenderer(plant.model, 480, 360, camera)
-        frames = [renderer.rgb(plant.data, goal, GOAL_RADIUS)]
-        for action in problem.oracle.actions:
-            plant.step(action)
-            frames.append(renderer.rgb(plant.data, goal[:0], GOAL_RADIUS))
-        renderer.close()
-        ends.append(frames[-1][::2, ::2])
-        if camera == "overview":
-            iio.imwrite(FOLDER / "notebook-folding-start-and-goal.png", frames[0])
-            iio.imwrite(FOLDER / "notebook-folding-expert.png", contact_sheet(frames))
-    iio.imwrite(FOLDER / "notebook-folding-success.png", np.concatenate(ends, 1))
-
-
-def contact_sheet(frames: list[NDArray[np.uint8]]) -> NDArray[np.uint8]:
-    """16 of the frames, half as large, 4 in a row."""
-    shown = np.linspace(0, len(frames) - 1, 16).round().astype(int).reshape(4, 4)
-    rows = [np.concatenate([frames[i][::2, ::2] for i in row], axis=1) for row in shown]
-    return np.concatenate(rows)
 
 
 def distance(points: Float32Array, goal: Float32Array) -> float:
@@ -127,9 +91,5 @@ def draw_histograms(scenes: int) -> None:
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--expert-index", type=int, default=1)
-    parser.add_argument("--scenes", type=int, default=60, help="of the histograms")
-    options = parser.parse_args()
-    draw_expert(options.expert_index)
-    if options.scenes:
-        draw_histograms(options.scenes)
+    parser.add_argument("--scenes", type=int, default=60)
+    draw_histograms(parser.parse_args().scenes)

@@ -1,0 +1,39 @@
+"""What ``icd-bench export-scene`` does: one scene, at its start, as a file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import gymnasium as gym
+
+from icd_envs import ENV_IDS
+from icd_envs.errors import InvalidOptionError, unknown_name
+from icd_envs.export import export_glb
+
+Values = dict[str, int | float | str]
+
+
+def export_scene(env_id: str, out: Path, *, seed: int, split: str) -> Values:
+    """Draw a scene and write it.
+
+    Args:
+        env_id: which environment.
+        out: file to write, ends in ``.glb``.
+        seed: of the scene.
+        split: ``train`` or ``test``.
+
+    Returns:
+        Names and values for the user.
+
+    Raises:
+        IcdError: unknown environment or split, impossible seed or file.
+    """
+    if env_id not in ENV_IDS:
+        raise InvalidOptionError(unknown_name("environment id", env_id, ENV_IDS))
+    env = gym.make(env_id, split=split)
+    try:
+        env.reset(seed=seed)
+        geoms = export_glb(env, out)
+    finally:
+        env.close()
+    return {"file": str(out), "geoms": geoms, "kilobytes": out.stat().st_size / 1e3}

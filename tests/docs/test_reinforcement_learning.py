@@ -1,0 +1,45 @@
+"""The example in docs/reinforcement-learning.md runs."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import gymnasium as gym
+import pytest
+
+from icd_envs import ENV_IDS
+from icd_envs.wrappers import SubsamplePointCloud
+
+PAGE = (Path(__file__).parents[2] / "docs" / "reinforcement-learning.md").read_text("utf-8")
+
+SHORTER = {
+    "learning_starts=1_000": "learning_starts=300",
+    "buffer_size=50_000": "buffer_size=400, batch_size=16",
+    "model.learn(1_000_000)": "model.learn(305); print(model.num_timesteps, model._n_updates)",
+}
+
+
+def test_example_learns_for_a_few_steps() -> None:
+    (code,) = re.findall(r"```python\n(.*?)```", PAGE, re.S)
+    for long, short in SHORTER.items():
+        assert code.count(long) == 1, long
+        code = code.replace(long, short)
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=240
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.split() == ["305", "5"]
+
+
+@pytest.mark.parametrize("env_id", ENV_IDS)
+def test_size_of_a_transition_is_as_told(env_id: str) -> None:
+    full = gym.make(env_id)
+    for env, told in ((full, "58 kB"), (SubsamplePointCloud(full, 50, 128), "8.6 kB")):
+        assert isinstance(env.observation_space, gym.spaces.Dict)
+        size = 2 * sum(space.sample().nbytes for space in env.observation_space.values())
+        assert f"{size / 1e3:.2g} kB" == told
+        assert told in PAGE
+    full.close()
