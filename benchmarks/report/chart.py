@@ -11,7 +11,7 @@ from benchmarks.rows import Row
 
 WIDTH: Final = 560
 HEIGHT: Final = 260
-LEFT, RIGHT, TOP, BOTTOM = 44, 12, 10, 34
+LEFT, RIGHT, TOP, BOTTOM = 44, 18, 10, 34
 """[px] around the plot, for labels."""
 _STEPS: Final = (1, 2, 5)
 

@@ -92,7 +92,7 @@ class Collected:
         if missing := planned - {_episode(found.row) for found in self.found}:
             yield f"unfinished: {len(missing)} of {len(planned)} planned episodes are missing"
         if errors := sum(found.row.status == "error" for found in self.found):
-            yield f"{errors} episodes had an error; they count in no rate"
+            yield f"{counted(errors, 'episode')} with an error, which no rate counts"
 
 
 def collect(folders: Sequence[Path]) -> Collected:
@@ -108,6 +108,11 @@ def collect(folders: Sequence[Path]) -> Collected:
     return Collected(
         tuple(folders), manifests, tuple(_merge((folder, read_rows(folder)) for folder in folders))
     )
+
+
+def counted(n: int, thing: str) -> str:
+    """A number of things."""
+    return f"{n} {thing}{'' if n == 1 else 's'}"
 
 
 def _check_conditions(tasks: Iterable[TaskSpec]) -> None:

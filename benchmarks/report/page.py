@@ -10,7 +10,7 @@ from typing import Final
 
 from benchmarks.conditions import DEFAULT, TaskSpec, task_title
 from benchmarks.report.chart import Chart, make_chart
-from benchmarks.report.collected import Collected, Found
+from benchmarks.report.collected import Collected, Found, counted
 from benchmarks.report.comparisons import Comparison, compare_all
 from benchmarks.report.episodes_table import as_columns
 from benchmarks.report.failures import count_endings, ending
@@ -92,8 +92,7 @@ def render(collected: Collected, *, videos: Choice = "all", megabytes: float = 2
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters["percent"] = percent
-    environment.filters["interval"] = interval
+    environment.filters.update(percent=percent, interval=interval, p_value=p_value, counted=counted)
     environment.globals["task_title"] = task_title
     films, left_out = _embed(collected.found, videos, megabytes)
     sections = [_section(collected, task) for task in collected.tasks]
@@ -123,6 +122,11 @@ def interval(bounds: Interval | None, scale: float = 100.0, digits: int = 0) -> 
     if bounds is None:
         return "n/a"
     return f"{scale * bounds.low:.{digits}f} to {scale * bounds.high:.{digits}f}"
+
+
+def p_value(p: float) -> str:
+    """A p-value for people."""
+    return "< 0.001" if p < 0.001 else f"{p:.3f}"
 
 
 def _section(collected: Collected, task: TaskSpec) -> Section:

@@ -46,7 +46,7 @@ def test_json_is_what_it_was(folder: Path) -> None:
 
 def test_warnings_are_below_the_table(tmp_path: Path) -> None:
     out = report(save(tmp_path, [make_row(status="error", message="boom")])).stdout
-    assert "note: 1 episodes had an error; they count in no rate" in out
+    assert "note: 1 episode with an error, which no rate counts" in out
 
 
 @pytest.mark.parametrize(

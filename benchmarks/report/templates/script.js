@@ -6,7 +6,7 @@
   const columns = [
     ["Task", names("task")], ["Agent", names("agent")], ["Case", numbers("index")], ["Repeat", numbers("repeat")],
     ["Seed", numbers("seed")], ["Ended in", names("ending")], ["Complete %", numbers("complete")], ["Steps", numbers("steps")],
-    ["Return", numbers("return")], ["Seconds", numbers("seconds")], ["ms per act", numbers("act")], ["Message", names("message")],
+    ["Return", numbers("return")], ["Seconds", numbers("seconds")], ["ms per act", numbers("act")],
   ].filter(([title]) => title !== "Repeat" || data.repeat.some(Boolean));
   const SIZE = 50;
   const form = document.getElementById("filters");
@@ -22,20 +22,28 @@
     return element;
   };
 
+  function extras(i) {
+    const found = [];
+    if (data.video[i] >= 0) {
+      const link = cell("a", " \u25b6 video");
+      link.href = `#video-${data.video[i]}`;
+      link.addEventListener("click", () => reveal(data.video[i]));
+      found.push(link);
+    }
+    const message = data.message.names[data.message.codes[i]];
+    if (message) found.push(cell("small", message));
+    return found;
+  }
+
   function show() {
     const pages = Math.max(1, Math.ceil(rows.length / SIZE));
     body.replaceChildren(...rows.slice(page * SIZE, (page + 1) * SIZE).map((i) => {
       const line = document.createElement("tr");
       for (const [title, value] of columns) {
         const content = value(i);
-        const kind = typeof content === "number" ? "number" : title === "Message" ? "message" : "";
-        line.append(cell("td", content, kind));
-      }
-      if (data.video[i] >= 0) {
-        const link = cell("a", " \u25b6 video");
-        link.href = `#video-${data.video[i]}`;
-        link.addEventListener("click", () => reveal(data.video[i]));
-        line.children[columns.findIndex(([title]) => title === "Ended in")].append(link);
+        const element = cell("td", content, typeof content === "number" ? "number" : "text");
+        if (title === "Ended in") element.append(...extras(i));
+        line.append(element);
       }
       return line;
     }));

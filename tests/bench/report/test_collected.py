@@ -95,4 +95,4 @@ def test_what_is_not_clean_is_said(tmp_path: Path, fields: dict[str, object], wa
 def test_errors_are_counted(tmp_path: Path) -> None:
     broken = replace(make_rows("a", [False])[0], status="error", message="boom")
     folder = save(tmp_path, [broken, *make_rows("b", [True])])
-    assert collect([folder]).warnings() == ["1 episodes had an error; they count in no rate"]
+    assert collect([folder]).warnings() == ["1 episode with an error, which no rate counts"]

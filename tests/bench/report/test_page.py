@@ -96,7 +96,7 @@ def test_verdicts_and_warnings_are_shown(tmp_path: Path) -> None:
     )
     text = " ".join(page_of(save(tmp_path, [*rows, broken])).text)
     assert "good better (p = 0.002)" in text
-    assert "1 episodes had an error" in text
+    assert "1 episode with an error" in text
     assert "unfinished: 1 of 22 planned" in text
 
 
