@@ -83,6 +83,7 @@ class Collected:
         versions: dict[str, list[object]] = {
             "code": [manifest.code for manifest in self.manifests],
             "package versions": [sorted(manifest.packages.items()) for manifest in self.manifests],
+            "settings": [sorted(manifest.settings.items()) for manifest in self.manifests],
             "weights": [sorted(manifest.weights.items()) for manifest in self.manifests],
         }
         for what, values in versions.items():

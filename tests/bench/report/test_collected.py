@@ -80,6 +80,7 @@ def test_clean_and_whole_results_have_no_warning(tmp_path: Path) -> None:
         ({"mixed": ("numpy: '1' there, '2' now",)}, "--allow-mixed; numpy: '1' there, '2' now"),
         ({"dirty": True}, "not committed"),
         ({"code": "sha256:0"}, "different code"),
+        ({"settings": {"act_seconds": 1.0}}, "different settings"),
         ({"packages": {"numpy": "0.1"}}, "different package versions"),
         ({"weights": {"a.safetensors": "0"}}, "different weights"),
         ({"episodes": 9}, "unfinished: 7 of 11 planned episodes are missing"),
