@@ -2,6 +2,7 @@
 
 import csv
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -9,6 +10,7 @@ from click.testing import Result
 from typer.testing import CliRunner
 
 from benchmarks.cli import main
+from benchmarks.manifest import read_manifest
 from tests.bench.making import make_row, make_rows, save
 
 
@@ -61,3 +63,13 @@ def test_usage_errors_exit_2(folder: Path, arguments: list[str], message: str) -
     refused = report(folder, *arguments)
     assert refused.exit_code == 2
     assert message in " ".join(refused.stderr.replace("│", " ").split())
+
+
+def test_mixed_runs_are_flagged_in_every_form(folder: Path, tmp_path: Path) -> None:
+    mixed = "numpy: '1' there, '2' now"
+    replace(read_manifest(folder), mixed=(mixed,)).write(folder)
+    page = tmp_path / "page.html"
+    assert f"--allow-mixed; {mixed}" in report(folder, "--html", page).stdout
+    assert "resumed with --allow-mixed; numpy" in page.read_text(encoding="utf-8")
+    assert f"--allow-mixed; {mixed}" in report(folder, "--markdown").stdout
+    assert f"--allow-mixed; {mixed}" in report(folder, "--latex").stdout
