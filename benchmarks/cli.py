@@ -12,8 +12,9 @@ import sys
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stdout
+from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -36,6 +37,16 @@ Threads = Annotated[
     int | None,
     typer.Option(min=1, help="Planner threads of a worker.", show_default="cores / workers"),
 ]
+
+
+class Videos(StrEnum):
+    """Which videos a page shows."""
+
+    first = "first"
+    failures = "failures"
+    all = "all"
+
+
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON, and only JSON, on stdout.")]
 
 
@@ -134,7 +145,9 @@ def run(
             )
         if interrupt.number:
             typer.echo(f"interrupted; go on with --out '{folder}' --resume", err=True)
-        errors = _print_report([folder], as_json=as_json)
+        from benchmarks.report_command import report as print_report
+
+        errors = print_report([folder], "json" if as_json else "table")
     if interrupt.number:
         raise typer.Exit(interrupt.exit_code)
     raise typer.Exit(FAILED_EPISODES if errors else FINE)
@@ -144,10 +157,27 @@ def run(
 def report(
     folders: Annotated[list[Path], typer.Argument(metavar="DIR...", help="Results folders.")],
     as_json: AsJson = False,
+    markdown: Annotated[bool, typer.Option("--markdown", help="Print Markdown tables.")] = False,
+    latex: Annotated[bool, typer.Option("--latex", help="Print LaTeX tables.")] = False,
+    html: Annotated[Path | None, typer.Option(help="File for a page with everything.")] = None,
+    csv: Annotated[Path | None, typer.Option(help="File for all rows.")] = None,
+    videos: Annotated[Videos, typer.Option(help="Videos that the page shows.")] = Videos.all,
+    video_megabytes: Annotated[
+        float, typer.Option(min=0, help="Most of them that the page may hold.")
+    ] = 25.0,
 ) -> None:
-    """Print the table of results folders."""
+    """Print the table of results folders, or write a page about them."""
+    if as_json + markdown + latex > 1:
+        raise typer.BadParameter("--json, --markdown and --latex: choose one")
+    form: Literal["table", "json", "markdown", "latex"] = (
+        "json" if as_json else "markdown" if markdown else "latex" if latex else "table"
+    )
     with _errors_in_one_line():
-        _print_report(folders, as_json=as_json)
+        from benchmarks.report_command import report as print_report
+
+        print_report(
+            folders, form, html=html, csv=csv, videos=videos.value, megabytes=video_megabytes
+        )
 
 
 @main.command()
@@ -268,19 +298,6 @@ def perf(
         typer.echo(json.dumps(values))
     else:
         print_mapping(values)
-
-
-def _print_report(folders: list[Path], *, as_json: bool) -> int:
-    """Print the table and return the number of episodes with an error."""
-    from benchmarks import report as reporting
-    from benchmarks.tables import print_summaries
-
-    summaries = reporting.report(folders)
-    if as_json:
-        typer.echo(json.dumps([summary.record() for summary in summaries]))
-    else:
-        print_summaries(summaries)
-    return sum(summary.errors for summary in summaries)
 
 
 def _exit_if(interrupt: Interrupt) -> None:

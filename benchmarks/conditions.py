@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, Final
 
 from icd_envs.errors import InvalidOptionError
@@ -49,6 +49,16 @@ class Condition:
             if not (math.isfinite(value) and value > 0.0):
                 raise InvalidOptionError(f"{field} must be finite and > 0, got {value!r}")
 
+    @property
+    def description(self) -> str:
+        """What differs from the default, in one line."""
+        numbers = [
+            f"{field.name}={getattr(self, field.name)}"
+            for field in fields(self)[2:]
+            if getattr(self, field.name) != field.default
+        ]
+        return ", ".join([*(f"{name}={value!r}" for name, value in self.options), *numbers])
+
     def record(self) -> dict[str, Any]:
         """As JSON."""
         return {**vars(self), "options": dict(self.options)}
@@ -77,6 +87,11 @@ class TaskSpec:
     def record(self) -> dict[str, Any]:
         """As JSON."""
         return {"env": self.env, "condition": self.condition.record()}
+
+
+def task_title(env: str, condition: str) -> str:
+    """How tables call a task."""
+    return env if condition == DEFAULT.name else f"{env}, {condition}"
 
 
 def task_from_record(record: Mapping[str, Any]) -> TaskSpec:

@@ -170,7 +170,7 @@ def _unique(file: Path, numbered: Iterable[tuple[int, Row]]) -> list[Row]:
     seen: dict[JobKey, tuple[int, Row]] = {}
     for number, row in numbered:
         first, other = seen.setdefault(row.key, (number, row))
-        if row.without_times() != other.without_times():
+        if row is not other and row.without_times() != other.without_times():
             raise ResultsError(
                 f"{file}, lines {first} and {number}: two different rows for "
                 f"agent={row.agent!r} env={row.env!r} index={row.index}: delete the wrong one"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from benchmarks.plan import Job, JobKey
@@ -62,7 +62,7 @@ class Row:
 
     def __post_init__(self) -> None:
         """Refuse values of a wrong type or range, so that no bad number reaches a table."""
-        for name, value in asdict(self).items():
+        for name, value in vars(self).items():
             if name == "buffer_overflows" and value is None:
                 continue
             kind = _KINDS[name]
@@ -94,7 +94,7 @@ class Row:
 
     def to_line(self) -> str:
         """One line of JSON, newline included."""
-        return json.dumps(asdict(self), allow_nan=False) + "\n"
+        return json.dumps(vars(self), allow_nan=False) + "\n"
 
 
 _KINDS: dict[str, type] = {

@@ -9,16 +9,17 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from benchmarks.conditions import task_title
 from benchmarks.gates import Gate, Verdict
-from benchmarks.report import Summary
+from benchmarks.report.summaries import Summary
 from benchmarks.statistics import Interval
 
 _WIDTH_WITHOUT_TERMINAL = 140
 FOOTNOTE = "* privileged: uses the simulator's state or the expert's solution"
 
 
-def print_summaries(summaries: Sequence[Summary]) -> None:
-    """Print one line per agent and environment on stdout."""
+def print_summaries(summaries: Sequence[Summary], warnings: Sequence[str] = ()) -> None:
+    """Print one line per agent and task on stdout, and what to know of them below."""
     table = Table()
     for heading in ("env", "agent"):
         table.add_column(heading, overflow="fold")
@@ -27,7 +28,7 @@ def print_summaries(summaries: Sequence[Summary]) -> None:
     for summary in summaries:
         finished = summary.episodes - summary.errors
         table.add_row(
-            Text(summary.env + ("" if summary.condition == "default" else f" {summary.condition}")),
+            Text(task_title(summary.env, summary.condition)),
             Text(summary.agent + (" *" if summary.privileged else "")),
             f"{summary.successes}/{finished}",
             _percent(summary.success, summary.success_ci),
@@ -43,6 +44,8 @@ def print_summaries(summaries: Sequence[Summary]) -> None:
     )
     if any(summary.privileged for summary in summaries):
         console.print(Text(FOOTNOTE))
+    for warning in warnings:
+        console.print(Text(f"note: {warning}"), soft_wrap=True)
 
 
 def print_rows(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> None:

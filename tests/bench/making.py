@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from benchmarks import episode
 from benchmarks.attempt import Attempt, Settings
-from benchmarks.conditions import TaskSpec
+from benchmarks.conditions import Condition, TaskSpec
 from benchmarks.executors import Executor, InProcess
 from benchmarks.plan import Job, Plan
 from benchmarks.pulse import Pulse
+from benchmarks.results import open_results
 from benchmarks.rows import Row
 from benchmarks.runner import episodes, run
+from benchmarks.suites import episode_seed
 from tests.bench import toy
 
 IN_PROCESS = InProcess()
@@ -62,3 +65,31 @@ def run_toys(
 def in_order(rows: list[Row]) -> list[Row]:
     """Rows without times, sorted."""
     return sorted((row.without_times() for row in rows), key=lambda row: row.key)
+
+
+def save(folder: Path, rows: Sequence[Row], *, seed: int = 0, repeats: int = 1) -> Path:
+    """A results folder with these rows, and a manifest whose plan they are of."""
+    agents = tuple(dict.fromkeys(row.agent for row in rows)) or ("a",)
+    tasks = dict.fromkeys((row.env, row.condition) for row in rows) or {("E-v0", "default"): None}
+    plan = Plan(
+        agents,
+        tuple(TaskSpec(env, Condition(condition)) for env, condition in tasks),
+        1 + max((row.index for row in rows), default=0),
+        seed,
+        repeats,
+    )
+    with open_results(folder, plan, resume=False) as results:
+        for row in rows:
+            results.append(row)
+    return folder
+
+
+def make_rows(agent: str, successes: Sequence[bool], **fields: object) -> list[Row]:
+    """Rows of one agent with the seeds of a plan; complete exactly where it succeeds."""
+    return [
+        make_row(
+            agent=agent, index=i, seed=episode_seed(0, str(fields.get("env", "E-v0")), i),
+            success=won, complete=float(won), steps=20 + i, **fields,
+        )
+        for i, won in enumerate(successes)
+    ]  # fmt: skip

@@ -207,7 +207,7 @@ def test_manifest_of_another_schema_is_incompatible(tmp_path: Path) -> None:
 
 
 @given(st.binary(max_size=40), st.integers(0, 300), st.integers(0, 300))
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_damaged_files_are_rows_or_a_typed_error(
     tmp_path: Path, noise: bytes, cut: int, lost: int
 ) -> None:

@@ -1,13 +1,16 @@
 """Rows and manifests of older schemas, on the files that were published with them."""
 
 import json
+import re
+from dataclasses import fields
 from pathlib import Path
 
 import pytest
 
 from benchmarks.conditions import TaskSpec
-from benchmarks.manifest import FILE_NAME, read_manifest
+from benchmarks.manifest import FILE_NAME, Manifest, read_manifest
 from benchmarks.results import ROWS_NAME, read_rows
+from benchmarks.rows import Row
 from benchmarks.schema import SCHEMA
 
 PUBLISHED = Path(__file__).parents[2] / "benchmarks" / "published"
@@ -43,3 +46,13 @@ def test_there_is_a_manifest_of_the_first_schema() -> None:
     assert manifest.schema == SCHEMA
     assert manifest.tasks == (TaskSpec("ICDCableRouting-v0"),)
     assert (manifest.repeats, manifest.wall_seconds) == (1, None)
+
+
+@pytest.mark.parametrize("kind", [Row, Manifest])
+def test_every_field_is_documented(kind: type) -> None:
+    documentation = (PUBLISHED.parents[1] / "docs" / "results.md").read_text(encoding="utf-8")
+    table = documentation.split(f"## {'Rows' if kind is Row else 'Manifest'}: schema {SCHEMA}")[1]
+    table = table.split("## ")[0]
+    first_cells = re.findall(r"^\| (`.*?) \|", table, re.M)
+    documented = {name for cell in first_cells for name in re.findall(r"`(\w+)`", cell)}
+    assert documented == {field.name for field in fields(kind)}

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import binomtest, bootstrap, permutation_test
 
@@ -70,6 +70,7 @@ def test_agents_that_never_differ_are_not_told_apart(table: tuple[int, int, int,
     assert paired_p(a, b, range(len(a))) == 1.0
 
 
+@settings(deadline=None)
 @given(st.lists(st.tuples(st.booleans(), st.booleans()), min_size=1, max_size=12))
 def test_repeats_count_by_case_and_single_ones_as_mcnemar(pairs: list[tuple[bool, bool]]) -> None:
     a, b = ([pair[i] for pair in pairs] for i in range(2))

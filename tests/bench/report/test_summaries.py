@@ -1,14 +1,8 @@
-"""Tables and JSON from rows."""
-
-from pathlib import Path
+"""Rates, means and intervals of rows, and the table of them."""
 
 import pytest
 
-from benchmarks.conditions import TaskSpec
-from benchmarks.errors import ResultsError
-from benchmarks.plan import Plan
-from benchmarks.report import report, summarise
-from benchmarks.results import open_results
+from benchmarks.report.summaries import summarise
 from benchmarks.rows import Row
 from benchmarks.statistics import wilson
 from benchmarks.tables import FOOTNOTE, print_summaries
@@ -25,13 +19,6 @@ KEYS = [
     "complete",
     "complete_ci",
 ]
-
-
-def save(folder: Path, rows: list[Row], *, seed: int = 0, agents: tuple[str, ...] = ("a",)) -> Path:
-    with open_results(folder, Plan(agents, (TaskSpec("E-v0"),), 4, seed), resume=False) as results:
-        for row in rows:
-            results.append(row)
-    return folder
 
 
 def test_record_has_exactly_the_promised_keys_and_counts() -> None:
@@ -71,31 +58,6 @@ def test_extremes_have_a_table(
         assert interval is None if success is None else 0 <= interval.low < interval.high <= 1
     print_summaries([summary])
     assert ("n/a" in capsys.readouterr().out) == (success in (None, 0.0))
-
-
-def test_order_is_that_of_the_manifest_and_missing_agents_are_shown(tmp_path: Path) -> None:
-    folder = save(tmp_path, [make_row(agent="z")], agents=("z", "b", "a"))
-    assert [(s.agent, s.episodes) for s in report([folder])] == [("z", 1), ("b", 0), ("a", 0)]
-
-
-def test_folders_are_joined_by_episode_not_by_number(tmp_path: Path) -> None:
-    first = save(tmp_path / "1", [make_row(seed=1), make_row(index=1, seed=2)])
-    other_seed = save(tmp_path / "2", [make_row(seed=3, success=True)], seed=9)
-    same = save(tmp_path / "3", [make_row(seed=1, seconds=5.0)])
-    (summary,) = report([first, other_seed, same])
-    assert (summary.episodes, summary.successes) == (3, 1)
-
-
-def test_folders_that_disagree_are_refused(tmp_path: Path) -> None:
-    first = save(tmp_path / "1", [make_row(seed=1)])
-    second = save(tmp_path / "2", [make_row(seed=1, success=True)])
-    with pytest.raises(ResultsError, match=r"disagree about agent='a' env='E-v0' .* seed=1"):
-        report([first, second])
-
-
-def test_folder_without_results_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(ResultsError, match=r"manifest\.json is missing"):
-        report([tmp_path])
 
 
 def test_table_shows_counts_intervals_and_privilege(capsys: pytest.CaptureFixture) -> None:

@@ -1,18 +1,15 @@
-"""From rows to rates: what is known about each agent on each environment."""
+"""From rows to rates: what is known about each agent on each task."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
-from benchmarks.errors import ResultsError
-from benchmarks.manifest import Manifest, read_manifest
-from benchmarks.results import read_rows
+from benchmarks.report.collected import Collected
 from benchmarks.rows import Row
-from benchmarks.statistics import Interval, wilson
+from benchmarks.statistics import Interval, bootstrap_mean, wilson
 
 
 @dataclass(frozen=True)
@@ -30,8 +27,11 @@ class Summary:
         success_ci: 95 % Wilson interval of it.
         complete: mean complete rate, None without a finished episode.
         complete_ci: 95 % Wilson interval of it, conservative.
+        complete_bootstrap: 95 % bootstrap interval of it, None with fewer than two cases.
         success_steps: mean control steps of the successes.
+        success_steps_ci: 95 % bootstrap interval of it.
         act_seconds: [s] mean wall time of one ``act``.
+        repeats: most episodes on one test case.
         privileged: what the agent was given beyond observations, see ``Row``.
     """
 
@@ -45,9 +45,17 @@ class Summary:
     success_ci: Interval | None
     complete: float | None
     complete_ci: Interval | None
+    complete_bootstrap: Interval | None
     success_steps: float | None
+    success_steps_ci: Interval | None
     act_seconds: float | None
+    repeats: int
     privileged: str
+
+    @property
+    def finished(self) -> int:
+        """Episodes that rates count."""
+        return self.episodes - self.errors
 
     def record(self) -> dict[str, Any]:
         """The keys that ``report --json`` promises, and no others."""
@@ -64,24 +72,12 @@ class Summary:
         }
 
 
-def report(folders: Sequence[Path]) -> list[Summary]:
-    """Summaries of one or more results folders, by env, then agent, in the manifests' order.
-
-    Raises:
-        ResultsError: a folder cannot be read, or two folders disagree about an episode.
-        IncompatibleResultsError: a folder of another schema version.
-    """
-    manifests = [read_manifest(folder) for folder in folders]
-    rows = _merge([(folder, read_rows(folder)) for folder in folders])
-    keys = dict.fromkeys(
-        (agent, *task)
-        for task in dict.fromkeys(task.key for manifest in manifests for task in manifest.tasks)
-        for agent in dict.fromkeys(agent for manifest in manifests for agent in manifest.agents)
-        if any(_planned(manifest, agent, task) for manifest in manifests)
-    )
+def summaries(collected: Collected) -> list[Summary]:
+    """One for each task and agent, in the manifests' order."""
     return [
-        summarise(*key, [row for row in rows if (row.agent, row.env, row.condition) == key])
-        for key in keys
+        summarise(agent, *task.key, rows)
+        for task in collected.tasks
+        for agent, rows in collected.rows_of(task).items()
     ]
 
 
@@ -101,30 +97,17 @@ def summarise(agent: str, env: str, condition: str, rows: Sequence[Row]) -> Summ
         success_ci=wilson(len(won), len(finished)),
         complete=_mean(row.complete for row in finished),
         complete_ci=wilson(complete, len(finished)),
+        complete_bootstrap=_bootstrap([row.complete for row in finished], finished),
         success_steps=_mean(row.steps for row in won),
+        success_steps_ci=_bootstrap([row.steps for row in won], won),
         act_seconds=_mean(row.act_seconds for row in finished),
+        repeats=1 + max((row.repeat for row in rows), default=0),
         privileged=next((row.privileged for row in rows if row.privileged), ""),
     )
 
 
-def _planned(manifest: Manifest, agent: str, task: tuple[str, str]) -> bool:
-    return agent in manifest.agents and task in [planned.key for planned in manifest.tasks]
-
-
-def _merge(folders: Iterable[tuple[Path, list[Row]]]) -> list[Row]:
-    """All rows; an episode that several folders hold counts once."""
-    seen: dict[tuple[str, str, str, int, int], tuple[Path, Row]] = {}
-    for folder, rows in folders:
-        for row in rows:
-            episode = (row.agent, row.env, row.condition, row.seed, row.repeat)
-            other_folder, other = seen.setdefault(episode, (folder, row))
-            if row.outcome != other.outcome:
-                raise ResultsError(
-                    f"{other_folder} and {folder} disagree about agent={row.agent!r} "
-                    f"env={row.env!r} condition={row.condition!r} seed={row.seed}: report them "
-                    "one by one"
-                )
-    return [row for _, row in seen.values()]
+def _bootstrap(values: Sequence[float], rows: Sequence[Row]) -> Interval | None:
+    return bootstrap_mean(values, [row.seed for row in rows])
 
 
 def _mean(values: Iterable[float]) -> float | None:

@@ -1,0 +1,1 @@
+"""Tables, tests, curves and pages, made from rows and manifests only."""

@@ -1,0 +1,110 @@
+"""The same tables for papers and pull requests: Markdown and LaTeX."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import Final
+
+from benchmarks.conditions import task_title
+from benchmarks.report.collected import Collected
+from benchmarks.report.comparisons import compare_all
+from benchmarks.report.paper import PaperResult, paper_of
+from benchmarks.report.summaries import Summary, summarise
+from benchmarks.statistics import Interval
+
+_HEADINGS: Final = (
+    "agent", "given", "success", "complete rate", "steps", "ms/act", "errors", "paper",
+)  # fmt: skip
+_LATEX: Final = {
+    "\\": r"\textbackslash{}",
+    "~": r"\textasciitilde{}",
+    "^": r"\textasciicircum{}",
+    **{character: f"\\{character}" for character in "&%$#_{}"},
+}
+NOTE: Final = (
+    "95 % Wilson intervals in brackets; steps: mean over successes; errors count in no rate; "
+    "paper: success / complete rate in percent, 20 runs."
+)
+
+
+def to_markdown(collected: Collected) -> str:
+    """One table for each task, with the paired comparisons below it."""
+    parts = [f"> **Read with care:** {_plain(warning)}\n" for warning in collected.warnings()]
+    for task in collected.tasks:
+        rows = collected.rows_of(task)
+        lines = [_cells(summarise(agent, *task.key, found)) for agent, found in rows.items()]
+        parts.append(f"### {_plain(task_title(*task.key))}\n")
+        parts.append("\n".join(_markdown_line(line) for line in (_HEADINGS, _RULE, *lines)) + "\n")
+        verdicts = [
+            f"- {c.first} / {c.second}, {c.common} common episodes: {c.verdict}"
+            for c in compare_all(rows)
+        ]
+        if verdicts:
+            parts.append("\n".join(map(_plain, verdicts)) + "\n")
+    return "\n".join([*parts, f"{NOTE}\n"])
+
+
+def to_latex(collected: Collected) -> str:
+    """One ``booktabs`` table for each task."""
+    tables = []
+    for task in collected.tasks:
+        rows = collected.rows_of(task)
+        lines = [_cells(summarise(agent, *task.key, found)) for agent, found in rows.items()]
+        body = "\n".join(f"    {_latex_line(line)}" for line in lines)
+        tables.append(
+            "\\begin{table}\n  \\centering\n"
+            f"  \\begin{{tabular}}{{ll{'r' * (len(_HEADINGS) - 2)}}}\n    \\toprule\n"
+            f"    {_latex_line(_HEADINGS)}\n    \\midrule\n{body}\n    \\bottomrule\n"
+            "  \\end{tabular}\n"
+            f"  \\caption{{{_escaped(task_title(*task.key))}. {_escaped(NOTE)}}}\n\\end{{table}}\n"
+        )
+    comments = [f"% {' '.join(warning.split())}\n" for warning in collected.warnings()]
+    return "% needs \\usepackage{booktabs}\n" + "".join(comments) + "\n".join(tables)
+
+
+_RULE: Final = ("---", "---", *("---:",) * (len(_HEADINGS) - 2))
+
+
+def _cells(summary: Summary) -> tuple[str, ...]:
+    steps, seconds = summary.success_steps, summary.act_seconds
+    return (
+        summary.agent,
+        summary.privileged or "observations",
+        f"{summary.successes}/{summary.finished} {_rate(summary.success, summary.success_ci)}",
+        _rate(summary.complete, summary.complete_ci),
+        "n/a" if steps is None else f"{steps:.0f}",
+        "n/a" if seconds is None else f"{1e3 * seconds:.1f}",
+        str(summary.errors),
+        _paper(paper_of(summary.env, summary.condition).get(summary.agent)),
+    )
+
+
+def _rate(rate: float | None, interval: Interval | None) -> str:
+    if rate is None or interval is None:
+        return "n/a"
+    return f"{100 * rate:.1f} [{100 * interval.low:.0f}, {100 * interval.high:.0f}]"
+
+
+def _paper(result: PaperResult | None) -> str:
+    if result is None:
+        return ""
+    complete = "" if result.complete is None else f" / {100 * result.complete:g}"
+    return f"{100 * result.success:g}{complete}"
+
+
+def _markdown_line(cells: Sequence[str]) -> str:
+    return f"| {' | '.join(map(_plain, cells))} |"
+
+
+def _plain(text: str) -> str:
+    """Text that Markdown and the HTML made of it show as it is."""
+    return re.sub(r"([\\`*_<>\[\]|~&])", r"\\\1", " ".join(text.split()))
+
+
+def _latex_line(cells: Sequence[str]) -> str:
+    return f"{' & '.join(map(_escaped, cells))} \\\\"
+
+
+def _escaped(text: str) -> str:
+    return "".join(_LATEX.get(character, character) for character in " ".join(text.split()))
