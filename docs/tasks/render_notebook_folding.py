@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 
 from benchmarks.suites import episode_seed
 from icd_envs.api import Float32Array
+from icd_envs.drawing import Overlay
 from icd_envs.experts.notebook_folding import Fault, NotebookFoldingExpert, Style
 from icd_envs.geometry.folding import fold_gap
 from icd_envs.rendering import SceneRenderer
 from icd_envs.tasks.base import run_expert
-from icd_envs.tasks.env import GOAL_RADIUS
 from icd_envs.tasks.notebook_folding import GOAL_DISTANCE, NotebookFolding
 from icd_envs.tasks.problem import draw_problem, scene_rng
 
@@ -46,10 +46,10 @@ def draw_expert(index: int) -> None:
     for camera in ("overview", "side", "top"):
         plant.set_state(start)
         renderer = SceneRenderer(plant.model, 480, 360, camera)
-        frames = [renderer.rgb(plant.data, goal, GOAL_RADIUS)]
+        frames = [renderer.rgb(plant.data, Overlay(goal))]
         for action in problem.oracle.actions:
             plant.step(action)
-            frames.append(renderer.rgb(plant.data, goal[:0], GOAL_RADIUS))
+            frames.append(renderer.rgb(plant.data, Overlay(goal[:0])))
         renderer.close()
         ends.append(frames[-1][::2, ::2])
         if camera == "overview":
