@@ -6,10 +6,10 @@ from typing import Literal
 
 import numpy as np
 
-from icd_agent.chain import CostSpace, PointSpace
+from icd_agent.chain import CostSpace, PointSpace, Subgoals
 from icd_agent.mppi.presets import preset
 from icd_agent.tracking import SubgoalTracker, TrackerConfig
-from icd_envs.api import Episode, FloatArray, Observation
+from icd_envs.api import Episode, Observation
 from icd_envs.errors import InvalidOptionError
 
 ORACLE_STRIDE = 10
@@ -39,8 +39,8 @@ class OracleSource:
         self._scene = scene
         self._stride = stride
 
-    def chain(self, episode: Episode, observation: Observation) -> FloatArray:
-        """Return the expert's states, (L, N, D).
+    def chain(self, episode: Episode, observation: Observation) -> Subgoals:
+        """Return the expert's states.
 
         Raises:
             InvalidOptionError: if the episode has no oracle.
@@ -52,7 +52,8 @@ class OracleSource:
                 "build it with oracle=True"
             )
         last = len(oracle.points) - 1
-        return self._space.features(oracle.points[np.unique(np.r_[0 : last : self._stride, last])])
+        clouds = oracle.points[np.unique(np.r_[0 : last : self._stride, last])]
+        return Subgoals(self._space.features(clouds), clouds)
 
 
 def make_oracle_points() -> SubgoalTracker:

@@ -284,6 +284,32 @@ def export_scene(
 
 
 @main.command()
+def watch(
+    agent: Annotated[str, typer.Option(help="Name or module:attr.")],
+    env: Annotated[str, typer.Option(help="Environment id.")],
+    seed: Annotated[int, typer.Option(min=0, help="Base seed of all episodes, as of run.")] = 0,
+    episode: Annotated[int, typer.Option(min=0, help="Index of the first episode.")] = 0,
+    viewer: Annotated[
+        Literal["browser", "mujoco"], typer.Option(help="A page to open, or a desktop window.")
+    ] = "browser",
+    host: Annotated[str, typer.Option(help="Address the page is served on.")] = "127.0.0.1",
+    port: Annotated[
+        int, typer.Option(min=0, max=65535, help="Port of it; 0 is any that is free.")
+    ] = 8080,
+) -> None:
+    """Look at an agent while it acts: clouds, subgoals and plans."""
+    _import_from_working_directory()
+    with _errors_in_one_line(), redirect_stdout(sys.stderr):
+        from benchmarks.watch.command import watch_agent
+
+        errors = watch_agent(
+            agent, env, seed=seed, episode=episode, viewer=viewer, host=host, port=port,
+            say=lambda text: typer.echo(text, err=True),
+        )  # fmt: skip
+    raise typer.Exit(FAILED_EPISODES if errors else FINE)
+
+
+@main.command()
 def perf(
     repeats: Annotated[int, typer.Option(min=1, help="Interleaved repeats; medians.")] = 5,
     as_json: AsJson = False,

@@ -95,7 +95,7 @@ def play(attempt: Attempt, pulse: Pulse, settings: Settings) -> Played:
     except (Exception, SystemExit) as error:
         row = error_row(
             job,
-            f"{pulse.doing}, step {pulse.step}: {_reason(error)}",
+            f"{pulse.doing}, step {pulse.step}: {reason(error)}",
             steps=pulse.step,
             return_=tally.return_,
             seconds=perf_counter() - start,
@@ -141,7 +141,7 @@ def _play(job: Job, settings: Settings, pulse: Pulse, tally: _Tally) -> dict[str
     raise RuntimeError(f"the episode did not end within its max_steps={episode.max_steps}")
 
 
-def _reason(error: BaseException) -> str:
+def reason(error: BaseException) -> str:
     """One line: type, text and the place it was raised at."""
     frames = traceback.extract_tb(error.__traceback__)
     place = f" ({Path(frames[-1].filename).name}:{frames[-1].lineno})" if frames else ""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -19,6 +19,18 @@ class CostSpace(Protocol):
         ...
 
 
+class Subgoals(NamedTuple):
+    """A chain from now to the goal.
+
+    Attributes:
+        features: (L, N, D) in the cost space, L >= 1.
+        clouds: (L, N, 3) [m] the same as object clouds, for viewers; None if the source has none.
+    """
+
+    features: FloatArray
+    clouds: FloatArray | None = None
+
+
 class SubgoalSource(Protocol):
     """Where subgoals come from.
 
@@ -28,8 +40,8 @@ class SubgoalSource(Protocol):
 
     needs_oracle: bool
 
-    def chain(self, episode: Episode, observation: Observation) -> FloatArray:
-        """Subgoals from now to the goal, (L, N, D) in the cost space, L >= 1."""
+    def chain(self, episode: Episode, observation: Observation) -> Subgoals:
+        """Subgoals from now to the goal."""
         ...
 
 
@@ -50,9 +62,10 @@ class GoalSource:
         """Measure in ``space``."""
         self._space = space
 
-    def chain(self, episode: Episode, observation: Observation) -> FloatArray:
-        """Return the desired object cloud as a chain of one, (1, N, D)."""
-        return self._space.features(observation["desired_goal"])[None]
+    def chain(self, episode: Episode, observation: Observation) -> Subgoals:
+        """Return the desired object cloud as a chain of one."""
+        cloud = observation["desired_goal"]
+        return Subgoals(self._space.features(cloud)[None], cloud[None])
 
 
 class SubgoalChain:

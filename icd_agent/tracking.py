@@ -9,9 +9,18 @@ import numpy as np
 
 from icd_agent.chain import CostSpace, SubgoalChain, SubgoalSource
 from icd_agent.mppi.costs import collision_cost, nearest_subgoal_cost, squared_distance
-from icd_agent.mppi.planner import MPPI, MPPIConfig, Status
+from icd_agent.mppi.planner import MPPI, MPPIConfig
 from icd_agent.options import is_count, is_finite, require
-from icd_envs.api import Episode, Float32Array, Float64Array, FloatArray, Observation, Rollout
+from icd_agent.plan_info import PlanInfo
+from icd_envs.api import (
+    Episode,
+    Float32Array,
+    Float64Array,
+    FloatArray,
+    Observation,
+    PlanView,
+    Rollout,
+)
 from icd_envs.errors import EpisodeStateError, InvalidOptionError
 
 
@@ -46,35 +55,6 @@ class TrackerConfig:
         for field in ("window", "patience"):
             value = getattr(self, field)
             require(value is None or is_count(value), field, value, "None or an integer >= 1")
-
-
-@dataclass(frozen=True)
-class PlanInfo:
-    """What the last ``act`` did. Times are for reports only; nothing is decided by them.
-
-    Attributes:
-        status: "ok", or why the agent held still.
-        subgoal: index of the next subgoal in the chain.
-        chain_length: L.
-        best_cost: lowest cost of a valid sample; inf if there is none.
-        mean_cost: mean cost of the valid samples.
-        effective_samples: 1 / sum of squared weights, 0 to K.
-        invalid_samples: samples that diverged or whose cost was not finite.
-        rollout_seconds: [s] in the simulator.
-        cost_seconds: [s] for features, distances and collisions.
-        update_seconds: [s] for drawing samples and updating the plan.
-    """
-
-    status: Status
-    subgoal: int
-    chain_length: int
-    best_cost: float
-    mean_cost: float
-    effective_samples: float
-    invalid_samples: int
-    rollout_seconds: float
-    cost_seconds: float
-    update_seconds: float
 
 
 class SubgoalTracker:
@@ -144,8 +124,9 @@ class SubgoalTracker:
         if self._episode is None:
             raise EpisodeStateError("act() before reset(): call reset(episode, seed) first")
         if self._chain is None:
+            self._subgoals = self._source.chain(self._episode, observation)
             self._chain = SubgoalChain(
-                self._source.chain(self._episode, observation),
+                self._subgoals.features,
                 self.config.threshold,
                 self.config.window,
                 self.config.patience,
@@ -160,6 +141,7 @@ class SubgoalTracker:
         costs = self._costs(rollout, self._chain.ahead(), self._episode.gripper_spheres)
         times.append(time.perf_counter())
         update = self._planner.update(actions, costs)
+        plan = self._planner.nominal
         action = self._planner.shift().astype(np.float32)
         times.append(time.perf_counter())
 
@@ -175,8 +157,16 @@ class SubgoalTracker:
             rollout_seconds=rolling,
             cost_seconds=costing,
             update_seconds=sampling + updating,
+            actions=plan,
+            subgoals=self._subgoals.clouds,
+            rollout=rollout,
+            costs=costs,
         )
         return action
+
+    def plan_view(self) -> PlanView | None:
+        """What viewers may draw of the last ``act``; None before the first of an episode."""
+        return None if self.plan_info is None else self.plan_info.view()
 
     def _costs(self, rollout: Rollout, subgoals: FloatArray, spheres: FloatArray) -> Float64Array:
         """Cost (K,) of each sample; inf where the physics diverged."""

@@ -12,6 +12,8 @@ from typing import Any, Protocol, TypedDict, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from icd_envs.errors import InvalidOptionError
+
 FloatArray = NDArray[np.floating[Any]]
 Float32Array = NDArray[np.float32]
 Float64Array = NDArray[np.float64]
@@ -175,12 +177,48 @@ class Episode:
     goal_oracle: Oracle | None = None
 
 
+@dataclass(frozen=True)
+class PlanView:
+    """What an agent shows of its plan to whoever draws it; nothing is decided by it.
+
+    Every part but the status may be None. Arrays may be the agent's own: do not write into them.
+
+    Attributes:
+        status: one line for people.
+        subgoals: (L, N, 3) [m] every subgoal as an object cloud.
+        subgoal: index of the next one; those before it are done with.
+        actions: (H, 3) in [-1, 1], the plan; its first action is the one being executed.
+        paths: (B, H, 3) [m] gripper positions of the best futures considered, best first.
+        ends: (B, N, 3) [m] object clouds at their ends.
+
+    Raises:
+        InvalidOptionError: on arrays of other shapes.
+    """
+
+    status: str = ""
+    subgoals: FloatArray | None = None
+    subgoal: int = 0
+    actions: FloatArray | None = None
+    paths: FloatArray | None = None
+    ends: FloatArray | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse what cannot be drawn."""
+        for name, ndim in (("subgoals", 3), ("actions", 2), ("paths", 3), ("ends", 3)):
+            array = getattr(self, name)
+            if array is not None and (array.ndim != ndim or array.shape[-1] != 3):
+                raise InvalidOptionError(
+                    f"PlanView.{name} has shape {array.shape}, expected {ndim} axes, the last of 3"
+                )
+
+
 @runtime_checkable
 class Agent(Protocol):
     """Anything that acts. Third parties implement it without importing anything of ours.
 
     Optional class attributes, each taken as False when missing: ``needs_simulator`` (wants
-    ``episode.simulator``) and ``needs_oracle`` (wants ``episode.oracle``).
+    ``episode.simulator``) and ``needs_oracle`` (wants ``episode.oracle``). Optional method:
+    ``plan_view() -> PlanView | None``, asked after ``act`` by those who draw.
     """
 
     def reset(self, episode: Episode, seed: int) -> None:

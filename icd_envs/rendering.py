@@ -18,10 +18,13 @@ from icd_envs.errors import RenderingUnavailableError
 if TYPE_CHECKING:
     import mujoco
 
+    from icd_envs.drawing import Overlay
+
 LIBRARIES: Final = {"egl": "EGL", "osmesa": "OSMesa"}
 DISABLED: Final = ("disable", "disabled", "off", "false", "0")
 AUTOMATIC: Final = ("", "enable", "enabled", "on", "true", "1")
-GOAL_RGBA: Final = np.array([0.85, 0.1, 0.1, 1.0], dtype=np.float32)
+VISIBLE_GROUPS: Final = (1, 1, 1, 1, 0, 0)
+"""Of ``icd_envs.scenes.layers``: what only collides is not shown."""
 
 FIX: Final = (
     "install a software renderer, e.g. on Debian or Ubuntu: apt-get install libegl1 libgl1\n"
@@ -43,7 +46,7 @@ def choose_backend() -> str:
         return asked
     if asked in LIBRARIES and ctypes.util.find_library(LIBRARIES[asked]):
         return asked
-    chosen = "glfw" if _has_display() else next(_headless_backends(), "disabled")
+    chosen = "glfw" if has_display() else next(_headless_backends(), "disabled")
     if asked not in AUTOMATIC:
         warnings.warn(
             f"MUJOCO_GL={asked!r} is not available here: using {chosen!r} instead", stacklevel=2
@@ -52,7 +55,8 @@ def choose_backend() -> str:
     return chosen
 
 
-def _has_display() -> bool:
+def has_display() -> bool:
+    """Whether a window could open, as far as the process's environment tells."""
     if sys.platform != "linux":
         return True
     return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
@@ -89,23 +93,22 @@ class SceneRenderer:
                 f"OpenGL did not start (MUJOCO_GL={backend!r}): {error}\n{FIX}"
             ) from error
         self._options = mujoco.MjvOption()
-        self._options.geomgroup[:] = (1, 1, 1, 1, 0, 0)
+        self._options.geomgroup[:] = VISIBLE_GROUPS
 
-    def rgb(self, data: mujoco.MjData, goal: Float32Array, radius: float) -> NDArray[np.uint8]:
-        """(height, width, 3) picture, the goal cloud drawn in red.
+    def rgb(self, data: mujoco.MjData, overlay: Overlay) -> NDArray[np.uint8]:
+        """(height, width, 3) picture.
 
         Args:
             data: state; its positions must be up to date.
-            goal: (N, 3) [m] cloud, drawn as spheres; or (0, 3).
-            radius: [m] of those spheres.
+            overlay: goal and plan, drawn on top.
         """
         self._renderer.disable_depth_rendering()
         self._update(data)
-        self._draw_points(goal, radius)
+        overlay.add_to(self._renderer.scene)
         return np.asarray(self._renderer.render())
 
     def depth(self, data: mujoco.MjData) -> Float32Array:
-        """(height, width) distance from the camera plane [m], without the goal."""
+        """(height, width) distance from the camera plane [m], with nothing drawn on top."""
         self._renderer.enable_depth_rendering()
         self._update(data)
         return np.asarray(self._renderer.render(), dtype=np.float32)
@@ -115,17 +118,6 @@ class SceneRenderer:
 
         mujoco.mj_camlight(self._model, data)  # a plant that was only set has no cameras yet
         self._renderer.update_scene(data, self._camera, self._options)
-
-    def _draw_points(self, points: Float32Array, radius: float) -> None:
-        import mujoco
-
-        scene = self._renderer.scene
-        for point in points[: scene.maxgeom - scene.ngeom]:
-            mujoco.mjv_initGeom(
-                scene.geoms[scene.ngeom], mujoco.mjtGeom.mjGEOM_SPHERE, np.full(3, radius),
-                point.astype(float), np.eye(3).ravel(), GOAL_RGBA,
-            )  # fmt: skip
-            scene.ngeom += 1
 
     def close(self) -> None:
         """Free the GL context."""

@@ -21,7 +21,7 @@ from mujoco import rollout
 import icd_envs  # noqa: F401  registers the environments
 from baselines.pc_mppi import make_pc_mppi
 from benchmarks.perf.naive_cable import make_naive
-from icd_agent.tracking import PlanInfo
+from icd_agent.plan_info import PlanInfo
 from icd_envs.api import FloatArray, Observation, Oracle, Rollout, SimState
 from icd_envs.physics.simulator import RolloutSimulator
 from icd_envs.scenes.arena import SUBSTEPS

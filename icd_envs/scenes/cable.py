@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final, Literal
 import numpy as np
 
 from icd_envs.api import Float64Array
+from icd_envs.drawing import OBJECT_RGBA
 from icd_envs.scenes import layers
 
 if TYPE_CHECKING:
@@ -57,8 +58,6 @@ ethernet: stiff, EI 4e-3, a round patch cord.
 rope: thick, heavy and rough, hardly any elastic stiffness but friction between its strands.
 """
 
-RGBA = (0.95, 0.8, 0.1, 1.0)
-
 
 def add_cable(root: mjcf.RootElement, spec: CableSpec, anchor: Float64Array, yaw: float) -> None:
     """Add a straight cable, fixed at one end, with its nodes as position sensors.
@@ -98,7 +97,7 @@ def add_cable(root: mjcf.RootElement, spec: CableSpec, anchor: Float64Array, yaw
             size=[spec.radius],
             mass=spec.density * step,
             friction=[spec.friction, 0.005, 0.0001],
-            rgba=RGBA,
+            rgba=OBJECT_RGBA,
             **layers.CABLE,
         )
         body.add(
@@ -109,7 +108,7 @@ def add_cable(root: mjcf.RootElement, spec: CableSpec, anchor: Float64Array, yaw
             size=[spec.radius],
             mass=0,
             friction=[spec.friction, 0.005, 0.0001],
-            rgba=RGBA,
+            rgba=OBJECT_RGBA,
             **layers.CABLE_FLOOR,
         )
         body.add("site", name=f"node_{i}", pos=[0, 0, 0], size=[0.001])

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from icd_envs.api import Float64Array
+from icd_envs.drawing import OBJECT_RGBA
 from icd_envs.scenes import layers
 
 if TYPE_CHECKING:
@@ -86,7 +87,6 @@ class NotebookSpec:
 
 DEFAULT_NOTEBOOK: Final = NotebookSpec()
 
-COVER_RGBA: Final = (0.95, 0.8, 0.1, 1.0)
 SPINE_RGBA: Final = (0.8, 0.62, 0.05, 1.0)
 STRIPE_RGBA: Final = (1.0, 0.95, 0.6, 1.0)
 STRIPE_WIDTH: Final = 0.02
@@ -139,7 +139,7 @@ def _add_box(body: mjcf.Element, spec: NotebookSpec, strip: int, length: float) 
     body.add(
         "geom", name=f"sheet_{strip}", type="box", pos=[-length / 2, 0, 0], size=half,
         mass=spec.mass * length / spec.length,
-        rgba=SPINE_RGBA if spec.in_spine(strip) else COVER_RGBA,
+        rgba=SPINE_RGBA if spec.in_spine(strip) else OBJECT_RGBA,
         **(layers.SHEET_FREE if spec.is_free(strip) else layers.SHEET_VISUAL),
     )  # fmt: skip
     if strip < spec.cover_strips:

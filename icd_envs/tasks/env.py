@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Final, Generic, Literal
+from typing import TYPE_CHECKING, Any, Final, Generic, Literal
 
 import gymnasium as gym
 import numpy as np
@@ -20,6 +20,7 @@ from icd_envs.api import (
     FloatArray,
     Observation,
     PartialObservation,
+    PlanView,
     SimState,
 )
 from icd_envs.errors import (
@@ -33,11 +34,10 @@ from icd_envs.geometry.sdf import BoxUnion
 from icd_envs.physics.guard import BOUND
 from icd_envs.physics.plant import Plant
 from icd_envs.physics.simulator import RolloutSimulator
-from icd_envs.rendering import SceneRenderer
-from icd_envs.scenes.arena import MAX_HEIGHT, MAX_WIDTH, SUBSTEPS, TIMESTEP
 from icd_envs.scenes.gripper import gripper_spheres
+from icd_envs.screen import CONTROL_PERIOD, RENDER_MODES, Screen
 from icd_envs.tasks.base import HOLD_STEPS, SceneT, Task
-from icd_envs.tasks.checks import check_action, check_choice, check_integer, check_seed
+from icd_envs.tasks.checks import check_action, check_choice, check_seed
 from icd_envs.tasks.partial import look, mask_spaces
 from icd_envs.tasks.problem import (
     SPLITS,
@@ -49,14 +49,14 @@ from icd_envs.tasks.problem import (
     sensor_rng,
 )
 
+if TYPE_CHECKING:
+    import mujoco
+
 RewardType = Literal["sparse", "dense"]
 ObservationMode = Literal["full", "partial"]
 
 SCENE_POINTS: Final = 1000
 FLOOR_POINTS: Final = 200
-CAMERAS: Final = ("overview", "side", "top")
-GOAL_RADIUS: Final = 0.004
-"""[m] of the spheres that show the goal in pictures."""
 
 Info = dict[str, Any]
 
@@ -65,8 +65,8 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
     """Goal-conditioned manipulation of a deformable object by a translating gripper."""
 
     metadata: dict[str, Any] = {  # noqa: RUF012  Gymnasium's own declaration
-        "render_modes": ["rgb_array", "depth_array"],
-        "render_fps": round(1 / (SUBSTEPS * TIMESTEP)),
+        "render_modes": list(RENDER_MODES),
+        "render_fps": round(1 / CONTROL_PERIOD),
     }
 
     def __init__(
@@ -85,17 +85,12 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
         check_choice("split", split, SPLITS)
         check_choice("reward_type", reward_type, ("sparse", "dense"))
         check_choice("obs_mode", obs_mode, ("full", "partial"))
-        check_choice("camera", camera, CAMERAS)
-        if render_mode is not None:
-            check_choice("render_mode", render_mode, tuple(self.metadata["render_modes"]))
-        check_integer("width", width, 1, MAX_WIDTH)
-        check_integer("height", height, 1, MAX_HEIGHT)
         self.task = task
         self.split = split
         self.reward_type = reward_type
         self.obs_mode = obs_mode
         self.render_mode = render_mode
-        self._view = (width, height, camera)
+        self._screen = Screen(render_mode, width, height, camera)
         self.action_space = spaces.Box(-1.0, 1.0, (3,), np.float32)
         cloud = task.canonical_cloud().shape
         shapes: dict[str, tuple[int, ...]] = {
@@ -114,7 +109,6 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
         self._spec: EnvSpec | None = None
         self._problem: Problem[SceneT] | None = None
         self._simulators: list[RolloutSimulator] = []
-        self._renderer: SceneRenderer | None = None
         self._closed = False
         self._steps = self._held = 0
         self._diverged = False
@@ -183,6 +177,7 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
         self._steps = self._held = 0
         self._diverged = False
         self._observation = self._observe(problem)
+        self._screen.follow(problem.plant, problem.goal)
         return self._copy_observation(), self._info(self._match(), action_clipped=False)
 
     def step(self, action: NDArray[np.float32]) -> tuple[Observation, float, bool, bool, Info]:
@@ -207,6 +202,7 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
         self._diverged = problem.plant.diverged()
         if not self._diverged:
             self._observation = self._observe(problem)
+            self._screen.follow(problem.plant, problem.goal)
         matched = self._match()
         info = self._info(matched, action_clipped=bool(np.any(clipped != wanted)))
         self._held = self._held + 1 if info["is_success"] else 0
@@ -312,22 +308,29 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
         self._observation = self._observe(problem)
         return self._copy_observation()
 
+    @property
+    def model(self) -> mujoco.MjModel:
+        """MuJoCo's model of the present scene, to look at; another one after every reset."""
+        return self._require_problem("model").plant.model
+
+    @property
+    def data(self) -> mujoco.MjData:
+        """MuJoCo's state of it, to look at; change it by ``step`` and ``restore`` alone."""
+        return self._require_problem("data").plant.data
+
     def render(self) -> NDArray[np.uint8] | Float32Array | None:
         """(height, width, 3) uint8 picture or (height, width) float32 depth [m], or None.
 
         Raises:
-            RenderingUnavailableError: if OpenGL does not start.
+            RenderingUnavailableError: if OpenGL does not start, or no window opens.
             EpisodeStateError: before ``reset`` or after ``close``.
         """
         problem = self._require_problem("render")
-        if self.render_mode is None:
-            gym.logger.warn("render() without a render_mode: pass render_mode='rgb_array' to make")
-            return None
-        if self._renderer is None:
-            self._renderer = SceneRenderer(problem.plant.model, *self._view)
-        if self.render_mode == "depth_array":
-            return self._renderer.depth(problem.plant.data)
-        return self._renderer.rgb(problem.plant.data, problem.goal, GOAL_RADIUS)
+        return self._screen.render(problem.plant, problem.goal)
+
+    def show_plan(self, plan: PlanView | None) -> None:
+        """Draw an agent's plan into pictures, until the next plan or reset; None draws none."""
+        self._screen.plan = plan
 
     def close(self) -> None:
         """Free threads and GL; a second call does nothing."""
@@ -346,9 +349,7 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
         for simulator in self._simulators:
             simulator.close()
         self._simulators.clear()
-        if self._renderer is not None:
-            self._renderer.close()
-            self._renderer = None
+        self._screen.close()
 
     def _observe(self, problem: Problem[SceneT]) -> Observation:
         """The full observation; what is shown of it is kept as well."""

@@ -42,6 +42,7 @@ class ToyWorld:
         self.diverged: BoolArray | None = None
         self.void = 0.0
         self.last_actions: FloatArray | None = None
+        self.last_rollout: Rollout | None = None
 
     def snapshot(self) -> SimState:
         return SimState("toy", "toy", self.position.copy())
@@ -52,7 +53,8 @@ class ToyWorld:
         diverged = np.zeros(len(actions), bool) if self.diverged is None else self.diverged
         points = cloud_at(gripper)
         points[diverged] = self.void
-        return Rollout(points, gripper.astype(np.float32), diverged)
+        self.last_rollout = Rollout(points, gripper.astype(np.float32), diverged)
+        return self.last_rollout
 
     def signed_distance(self, points: FloatArray) -> Float64Array:
         if self.ball is None:

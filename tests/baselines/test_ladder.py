@@ -22,8 +22,9 @@ def expert(steps: int) -> Oracle:
 @pytest.mark.parametrize(("steps", "kept"), [(60, 7), (65, 8), (4, 2), (0, 1)])
 def test_chain_is_every_tenth_state_and_the_last_once(steps: int, kept: int) -> None:
     world, oracle = ToyWorld(), expert(steps)
-    chain = OracleSource(PointSpace()).chain(world.episode(oracle), world.observation())
+    chain, clouds = OracleSource(PointSpace()).chain(world.episode(oracle), world.observation())
     assert len(chain) == kept
+    np.testing.assert_array_equal(clouds, chain)
     np.testing.assert_array_equal(chain[-1], oracle.points[-1])
     np.testing.assert_array_equal(chain[:-1], oracle.points[:steps:10][: kept - 1])
 
