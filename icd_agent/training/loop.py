@@ -16,6 +16,7 @@ import torch
 from torch import Tensor, nn
 
 from icd_agent.training.config import TrainingConfig
+from icd_agent.training.initial import initialise
 from icd_envs.errors import TrainingError
 
 STATE_NAME: Final = "training.pt"
@@ -69,9 +70,10 @@ def train(
     """
     out.mkdir(parents=True, exist_ok=True)
     run = {"training": asdict(config), **(identity or {})}
-    with torch.random.fork_rng():
-        torch.manual_seed(config.seed)
-        model = make_model().to(device).train()
+    with torch.random.fork_rng(devices=[]):  # layers draw weights that are replaced at once
+        model = make_model()
+    initialise(model, torch.Generator().manual_seed(config.seed))
+    model = model.to(device).train()
     average = copy.deepcopy(model)
     optimizer = torch.optim.AdamW(
         model.parameters(),
@@ -86,9 +88,10 @@ def train(
         for group in optimizer.param_groups:
             group["lr"] = rate
         found = loss(model, np.random.default_rng([config.seed, step]))
-        if not bool(torch.isfinite(found["loss"])):
+        value = float(found["loss"].detach())
+        if not math.isfinite(value):
             raise TrainingError(
-                f"the loss is {float(found['loss'])} at step {step}: lower learning_rate, now "
+                f"the loss is {value} at step {step}: lower learning_rate, now "
                 f"{config.learning_rate}; the state of the last save is in {out}"
             )
         optimizer.zero_grad(set_to_none=True)
