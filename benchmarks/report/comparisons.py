@@ -60,12 +60,25 @@ def compare_all(rows: Mapping[str, Sequence[Row]]) -> list[Comparison]:
     Args:
         rows: of one task, by agent.
     """
-    single = [compare(a, b, rows[a], rows[b]) for a, b in combinations(rows, 2)]
-    tested = [comparison for comparison in single if comparison.p is not None]
-    corrected = dict(
-        zip(map(id, tested), holm([c.p for c in tested if c.p is not None]), strict=True)
-    )
-    return [replace(c, corrected_p=corrected.get(id(c))) for c in single]
+    return _corrected([compare(a, b, rows[a], rows[b]) for a, b in combinations(rows, 2)])
+
+
+def compare_with(reference: str, rows: Mapping[str, Sequence[Row]]) -> list[Comparison]:
+    """Everything against one reference, with p-values that may be read together.
+
+    Args:
+        reference: the second of every pair.
+        rows: by name, the reference's among them.
+    """
+    others = [name for name in rows if name != reference]
+    return _corrected([compare(a, reference, rows[a], rows[reference]) for a in others])
+
+
+def _corrected(comparisons: Sequence[Comparison]) -> list[Comparison]:
+    tested = [comparison for comparison in comparisons if comparison.p is not None]
+    p_values = holm([comparison.p for comparison in tested if comparison.p is not None])
+    corrected = dict(zip(map(id, tested), p_values, strict=True))
+    return [replace(c, corrected_p=corrected.get(id(c))) for c in comparisons]
 
 
 def compare(

@@ -11,7 +11,7 @@ from typing import Final
 from benchmarks.conditions import DEFAULT, TaskSpec, task_title
 from benchmarks.report.chart import Chart, make_chart
 from benchmarks.report.collected import Collected, Found, counted
-from benchmarks.report.comparisons import Comparison, compare_all
+from benchmarks.report.comparisons import Comparison, compare_all, compare_with
 from benchmarks.report.episodes_table import as_columns
 from benchmarks.report.failures import count_endings, ending
 from benchmarks.report.paper import PaperResult, paper_of, paper_protocol
@@ -55,6 +55,21 @@ class Section:
     def not_run(self) -> list[PaperResult]:
         """Methods of the paper that are not among the agents."""
         return [result for agent, result in self.paper.items() if agent not in self.by_agent]
+
+
+@dataclass(frozen=True)
+class Price:
+    """What conditions cost an agent in one environment.
+
+    Attributes:
+        env: id of the environment.
+        agent: name of the agent.
+        comparisons: each condition against the default, in the same episodes.
+    """
+
+    env: str
+    agent: str
+    comparisons: list[Comparison]
 
 
 @dataclass(frozen=True)
@@ -102,6 +117,7 @@ def render(collected: Collected, *, videos: Choice = "all", megabytes: float = 2
         folders=list(zip(collected.folders, collected.manifests, strict=True)),
         sections=sections,
         colours={agent: number for number, agent in enumerate(agents)},
+        prices=_prices(collected),
         conditions=[task for task in collected.tasks if task.condition != DEFAULT],
         episodes=as_columns(collected.rows, [film.row for film in films]),
         count=len(collected.found),
@@ -140,6 +156,19 @@ def _section(collected: Collected, task: TaskSpec) -> Section:
         comparisons=compare_all(rows),
         endings={agent: count_endings(found) for agent, found in rows.items()},
     )
+
+
+def _prices(collected: Collected) -> list[Price]:
+    """For every agent and environment that was run as it is and under conditions."""
+    rows: dict[tuple[str, str], dict[str, list[Row]]] = {}
+    for task in collected.tasks:
+        for agent, found in collected.rows_of(task).items():
+            rows.setdefault((task.env, agent), {})[task.condition.name] = found
+    return [
+        Price(env, agent, compare_with(DEFAULT.name, by_condition))
+        for (env, agent), by_condition in rows.items()
+        if DEFAULT.name in by_condition and len(by_condition) > 1
+    ]
 
 
 def _embed(found: Sequence[Found], choice: Choice, megabytes: float) -> tuple[list[Video], int]:

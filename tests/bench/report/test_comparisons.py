@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import binomtest
 
-from benchmarks.report.comparisons import LEVEL, compare, compare_all
+from benchmarks.report.comparisons import LEVEL, compare, compare_all, compare_with
 from tests.bench.making import make_row, make_rows
 
 
@@ -76,3 +76,16 @@ def test_repeats_are_paired_by_scene_and_repeat() -> None:
     pair = compare("a", "b", rows("a", True, True, False, True), rows("b", False, True, True, True))
     assert (pair.common, pair.first_only, pair.second_only) == (4, 1, 1)
     assert pair.p == pytest.approx(1.0)
+
+
+def test_reference_is_the_second_of_every_pair_and_correction_counts_these_only() -> None:
+    rows = {
+        "default": make_rows("a", [True] * 6),
+        "x": make_rows("a", [False] * 6),
+        "y": make_rows("a", [True] * 6),
+    }
+    x, y = compare_with("default", rows)
+    assert (x.first, x.second, x.success_difference) == ("x", "default", -1.0)
+    assert x.p == pytest.approx(2 / 2**6)
+    assert x.corrected_p == pytest.approx(2 * 2 / 2**6)
+    assert y.verdict == "no difference shown (p = 1.000)"

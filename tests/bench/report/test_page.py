@@ -155,3 +155,12 @@ def test_videos_are_embedded_by_choice_and_need(tmp_path: Path) -> None:
 def test_page_is_the_same_every_time(tmp_path: Path) -> None:
     folder = save(tmp_path, make_rows("a", [True, False] * 5) + make_rows("b", [True] * 10))
     assert render(collect([folder])) == render(collect([folder]))
+
+
+def test_conditions_are_compared_with_the_default(tmp_path: Path) -> None:
+    rows = make_rows("a", [True] * 8) + make_rows("a", [False] * 8, condition="noisy")
+    text = " ".join(" ".join(page_of(save(tmp_path / "1", rows)).text).split())
+    assert "What conditions cost" in text
+    assert "noisy 8 0 8 -100.0 -100.0 0.008 default better (p = 0.008)" in text
+    alone = page_of(save(tmp_path / "2", make_rows("a", [True], condition="noisy")))
+    assert "What conditions cost" not in " ".join(alone.text)
