@@ -83,15 +83,16 @@ def train(
     )
     done, terms = _resume(out / STATE_NAME, run, model, average, optimizer)
     totals: dict[str, float] = {}
+    counted = 0
     for step in range(done, config.steps):
         rate = config.learning_rate * _schedule(step, config)
         for group in optimizer.param_groups:
             group["lr"] = rate
         found = loss(model, np.random.default_rng([config.seed, step]))
-        value = float(found["loss"].detach())
-        if not math.isfinite(value):
+        now = float(found["loss"].detach())
+        if not math.isfinite(now):
             raise TrainingError(
-                f"the loss is {value} at step {step}: lower learning_rate, now "
+                f"the loss is {now} at step {step}: lower learning_rate, now "
                 f"{config.learning_rate}; the state of the last save is in {out}"
             )
         optimizer.zero_grad(set_to_none=True)
@@ -101,10 +102,10 @@ def train(
         _follow(average, model, min(config.ema, (1 + step) / (10 + step)))
         for name, value in found.items():
             totals[name] = totals.get(name, 0.0) + float(value.detach())
+        counted += 1
         if (step + 1) % config.log_every == 0 or step + 1 == config.steps:
-            count = (step % config.log_every) + 1
-            terms = {name: total / count for name, total in totals.items()}
-            totals = {}
+            terms = {name: total / counted for name, total in totals.items()}
+            totals, counted = {}, 0
             seen(step + 1, terms)
             _log(out / LOG_NAME, step + 1, terms)
         if (step + 1) % config.save_every == 0 or step + 1 == config.steps:

@@ -1,4 +1,4 @@
-"""The loop on a network of two numbers: it learns, resumes to the bit and refuses what is foreign."""
+"""The loop on a network of two numbers: it learns, resumes to the bit, refuses the foreign."""
 
 from __future__ import annotations
 
