@@ -37,6 +37,12 @@ Threads = Annotated[
     int | None,
     typer.Option(min=1, help="Planner threads of a worker.", show_default="cores / workers"),
 ]
+ActSeconds = Annotated[float, typer.Option(help="Time that one act may take.")]
+Device = Annotated[str, typer.Option(help="Given to agents that ask for one.")]
+TrustPickle = Annotated[
+    bool, typer.Option("--trust-pickle", help="Load sb3: files, which may run any code.")
+]
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON, and only JSON, on stdout.")]
 
 
 class Videos(StrEnum):
@@ -47,37 +53,20 @@ class Videos(StrEnum):
     all = "all"
 
 
-AsJson = Annotated[bool, typer.Option("--json", help="Print JSON, and only JSON, on stdout.")]
-
-
 @main.command(name="list")
 def list_() -> None:
-    """List agents, environments, suites and gates."""
+    """List agents, plug-ins, environments, suites and gates."""
+    _import_from_working_directory()
     with _errors_in_one_line():
-        from benchmarks.gates import GATES
-        from benchmarks.registry import AGENTS
-        from benchmarks.suites import SUITES
+        from benchmarks.listing import entries
         from benchmarks.tables import print_rows
-        from icd_envs.registration import ENV_IDS
 
-    rows = [("agent", name, spec) for name, spec in AGENTS.items()]
-    rows.append(("agent", "module:attr", "yours: a class or factory without arguments"))
-    rows += [("env", env_id, "") for env_id in ENV_IDS]
-    rows += [
-        (
-            "suite",
-            suite.name,
-            f"v{suite.version}: {suite.description}",
-        )
-        for suite in SUITES.values()
-    ]
-    rows += [("gates", env_id, ", ".join(g.name for g in gates)) for env_id, gates in GATES.items()]
-    print_rows(("kind", "name", "what"), rows)
+        print_rows(("kind", "name", "what"), list(entries()))
 
 
 @main.command()
 def run(
-    agent: Annotated[list[str], typer.Option(help="Name or module:attr; repeatable.")],
+    agent: Annotated[list[str], typer.Option(help="As icd-bench list shows; repeatable.")],
     env: Annotated[
         list[str] | None,
         typer.Option(help="Environment id; repeatable; of the suite's, or another."),
@@ -90,10 +79,12 @@ def run(
         typer.Option(min=1, help="Test cases per agent and task, instead of the suite's."),
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Base seed of all episodes.")] = 0,
-    act_seconds: Annotated[float, typer.Option(help="Time that one act may take.")] = 60.0,
+    act_seconds: ActSeconds = 60.0,
     episode_seconds: Annotated[
         float, typer.Option(help="Time that one episode may take, loading included.")
     ] = 3600.0,
+    device: Device = "cpu",
+    trust_pickle: TrustPickle = False,
     workers: Workers = 1,
     threads: Threads = None,
     out: Annotated[
@@ -111,34 +102,29 @@ def run(
     """Run agents, one row per episode, and print the table."""
     _import_from_working_directory()
     with _errors_in_one_line():
-        from benchmarks import progress, registry, results, runner
+        from benchmarks import progress, results
         from benchmarks.attempt import Settings
         from benchmarks.executors import make_executor
         from benchmarks.interrupts import interruptible
         from benchmarks.plan import plan_suite
+        from benchmarks.run_command import run_plan
         from benchmarks.suites import find_suite
         from icd_envs.errors import InvalidOptionError
 
         chosen = find_suite(suite or "quick")
         plan = plan_suite(chosen, agent, envs=env or (), episodes=episodes, seed=seed)
-        with redirect_stdout(sys.stderr):
-            for env_id in plan.envs:
-                registry.check_env_id(env_id)
-            for name in plan.agents:
-                registry.agent_factory(name)
         if resume and out is None:
             raise InvalidOptionError("--resume needs --out: name the folder to go on with")
         executor = make_executor("local", workers=workers, threads=threads, address=None)
-        settings = Settings(executor.threads, act_seconds, episode_seconds)
+        settings = Settings(executor.threads, act_seconds, episode_seconds, device, trust_pickle)
         folder = out or results.new_folder(Path("runs"))
         typer.echo(f"results: {folder}", err=True)
         with interruptible() as interrupt, redirect_stdout(sys.stderr):
-            runner.run(
+            run_plan(
                 plan,
                 folder,
-                runner.episodes(settings),
                 executor,
-                settings=settings.record(),
+                settings,
                 resume=resume,
                 allow_mixed=allow_mixed,
                 watch=progress.watching("episodes"),
@@ -151,6 +137,35 @@ def run(
     if interrupt.number:
         raise typer.Exit(interrupt.exit_code)
     raise typer.Exit(FAILED_EPISODES if errors else FINE)
+
+
+@main.command()
+def check_agent(
+    agent: Annotated[str, typer.Argument(metavar="AGENT", help="As icd-bench list shows.")],
+    env: Annotated[str, typer.Option(help="Environment id.")] = "ICDCableRouting-v0",
+    act_seconds: ActSeconds = 60.0,
+    device: Device = "cpu",
+    trust_pickle: TrustPickle = False,
+    as_json: AsJson = False,
+) -> None:
+    """Play a few steps with an agent and say what it does wrong."""
+    _import_from_working_directory()
+    with _errors_in_one_line():
+        from benchmarks import agent_check, registry
+        from benchmarks.attempt import Settings
+        from benchmarks.executors import Local
+        from benchmarks.tables import print_rows
+
+        registry.check_env_id(env)
+        executor = Local()
+        settings = Settings(executor.threads, act_seconds, 3600.0, device, trust_pickle)
+        findings = agent_check.check_agent(agent, env, executor, settings)
+    if as_json:
+        typer.echo(json.dumps(dict(findings)))
+    else:
+        rows = [(check, f"WRONG: {problem}" if problem else "ok") for check, problem in findings]
+        print_rows(("check", agent), rows)
+    raise typer.Exit(FAILED_EPISODES if any(finding.problem for finding in findings) else FINE)
 
 
 @main.command()

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import traceback
 from contextlib import suppress
 from dataclasses import dataclass, field
-from pathlib import Path
 from time import perf_counter
 from typing import Any
 
@@ -14,10 +12,11 @@ import numpy as np
 
 from benchmarks.attempt import Attempt, Played, Settings
 from benchmarks.conditions import TaskSpec, make_env
+from benchmarks.errors import reason
 from benchmarks.generators import seed_global_generators
 from benchmarks.plan import Job
 from benchmarks.pulse import Pulse
-from benchmarks.registry import make_agent
+from benchmarks.registry import Offer, make_agent
 from benchmarks.rows import Row, error_row
 from icd_envs.api import Agent, Episode
 
@@ -27,21 +26,21 @@ class _Kept:
     """What a worker process keeps between episodes; scenes and weights are slow to load."""
 
     envs: dict[TaskSpec, gym.Env[Any, Any]] = field(default_factory=dict)
-    agents: dict[str, Agent] = field(default_factory=dict)
+    agents: dict[tuple[str, str], Agent] = field(default_factory=dict)
 
     def env(self, task: TaskSpec) -> gym.Env[Any, Any]:
         if task not in self.envs:
             self.envs[task] = make_env(task)
         return self.envs[task]
 
-    def agent(self, name: str) -> Agent:
-        if name not in self.agents:
-            self.agents[name] = make_agent(name)
-        return self.agents[name]
+    def agent(self, name: str, offer: Offer) -> Agent:
+        if (name, offer.env_id) not in self.agents:
+            self.agents[name, offer.env_id] = make_agent(name, offer)
+        return self.agents[name, offer.env_id]
 
     def drop(self, job: Job) -> None:
         """Forget agent and environment of a job that went wrong: their state is unknown."""
-        self.agents.pop(job.agent, None)
+        self.agents.pop((job.agent, job.env), None)
         env = self.envs.pop(job.task, None)
         if env is not None:
             with suppress(Exception):
@@ -111,7 +110,7 @@ def _play(job: Job, settings: Settings, pulse: Pulse, tally: _Tally) -> dict[str
     pulse.doing = "making the environment"
     env = _kept.env(job.task)
     pulse.doing = "making the agent"
-    agent = _kept.agent(job.agent)
+    agent = _kept.agent(job.agent, Offer(job.env, settings.device, settings.trust_pickle))
     simulator = bool(getattr(agent, "needs_simulator", False))
     oracle = bool(getattr(agent, "needs_oracle", False))
     asked = {"simulator": simulator, "oracle": oracle}
@@ -139,11 +138,3 @@ def _play(job: Job, settings: Settings, pulse: Pulse, tally: _Tally) -> dict[str
             pulse.doing = "reading the last info"
             return info
     raise RuntimeError(f"the episode did not end within its max_steps={episode.max_steps}")
-
-
-def reason(error: BaseException) -> str:
-    """One line: type, text and the place it was raised at."""
-    frames = traceback.extract_tb(error.__traceback__)
-    place = f" ({Path(frames[-1].filename).name}:{frames[-1].lineno})" if frames else ""
-    text = " ".join(str(error).split())
-    return f"{type(error).__name__}: {text[:500]}{place}"

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import traceback
+from pathlib import Path
+
 from icd_envs.errors import IcdError
 
 
@@ -19,3 +22,11 @@ class ResultsWarning(UserWarning):
 
 class WorkerStartError(IcdError, RuntimeError):
     """Worker processes that end before they can do anything."""
+
+
+def reason(error: BaseException) -> str:
+    """One line: type, text and the place it was raised at."""
+    frames = traceback.extract_tb(error.__traceback__)
+    place = f" ({Path(frames[-1].filename).name}:{frames[-1].lineno})" if frames else ""
+    text = " ".join(str(error).split())
+    return f"{type(error).__name__}: {text[:500]}{place}"

@@ -6,8 +6,11 @@ import hashlib
 import os
 import platform
 import subprocess
+import sys
+from collections.abc import Iterable, Sequence
 from importlib import metadata
 from pathlib import Path
+from types import ModuleType
 
 _ROOT = Path(__file__).parents[1]
 _PACKAGES = (
@@ -20,6 +23,7 @@ _PACKAGES = (
 )
 # What decides how an episode ends; reports and tables may change without invalidating rows.
 _FINGERPRINTED = ("icd_envs", "icd_agent", "baselines")
+_MISSING = "not installed"
 _SUFFIXES = (".py", ".json", ".safetensors", ".xml")
 
 
@@ -40,30 +44,60 @@ def platform_name() -> str:
     return platform.platform()
 
 
-def package_versions() -> dict[str, str]:
-    """Installed versions of the packages that decide how an episode ends."""
-    return {name: _version(name) for name in _PACKAGES}
+def package_versions(names: Sequence[str] = _PACKAGES) -> dict[str, str]:
+    """Installed versions, by default of the packages that decide how an episode ends."""
+    return {name: _version(name) for name in names}
 
 
 def _version(package: str) -> str:
     try:
         return metadata.version(package)
     except metadata.PackageNotFoundError:
-        return "not installed"
+        return _MISSING
 
 
 def code_fingerprint() -> str:
     """Hash of the sources and weights that decide how an episode ends."""
-    digest = hashlib.sha256()
     files = (
         path
         for package in _FINGERPRINTED
         for path in (_ROOT / package).rglob("*")
         if path.suffix in _SUFFIXES
     )
+    return _fingerprint(files, _ROOT)
+
+
+def source_of_file(path: Path) -> str:
+    """Name and hash of a file."""
+    return f"{path.name} {_fingerprint([path], path.parent)}"
+
+
+def source_of_module(module: ModuleType, distribution: str = "") -> str:
+    """Distribution, package or file, and a hash of its sources.
+
+    Args:
+        module: imported.
+        distribution: its name and version; else the installed one of the same name is looked for.
+    """
+    top = module.__name__.partition(".")[0]
+    package = sys.modules[top]
+    if hasattr(package, "__path__") and package.__file__:
+        root = Path(package.__file__).parent
+        source = f"{top} {_fingerprint(root.rglob('*.py'), root)}"
+    elif module.__file__:
+        source = source_of_file(Path(module.__file__))
+    else:
+        source = module.__name__
+    if not distribution and (version := _version(top)) != _MISSING:
+        distribution = f"{top} {version}"
+    return ", ".join(filter(None, (distribution, source)))
+
+
+def _fingerprint(files: Iterable[Path], root: Path) -> str:
+    digest = hashlib.sha256()
     for path in sorted(files):
         content = path.read_bytes()
-        digest.update(f"{path.relative_to(_ROOT).as_posix()}:{len(content)}:".encode())
+        digest.update(f"{path.relative_to(root).as_posix()}:{len(content)}:".encode())
         digest.update(content)
     return f"sha256:{digest.hexdigest()}"
 

@@ -3,13 +3,22 @@
 from __future__ import annotations
 
 import importlib
+import importlib.util
 import inspect
 from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Final
 
+from benchmarks.adapters import FunctionAgent
+from benchmarks.imports import is_there, load, load_module
+from benchmarks.plugins import Plugin, find_plugins
+from benchmarks.provenance import package_versions, source_of_file, source_of_module
 from icd_envs.api import Agent
 from icd_envs.errors import InvalidOptionError, unknown_name
 
-AgentFactory = Callable[[], Agent]
+AgentFactory = Callable[..., Agent]
 
 AGENTS: dict[str, str] = {
     "random": "baselines.random_agent:RandomAgent",
@@ -18,46 +27,177 @@ AGENTS: dict[str, str] = {
     "ladder:oracle-points": "baselines.ladder:make_oracle_points",
     "ladder:transferred-points": "baselines.ladder:make_transferred_points",
 }
+FORMS: Final[dict[str, str]] = {
+    "module:attr": "a class or factory",
+    "file.py:attr": "the same in a file",
+    "fn:module:attr": "a function observation -> action, of a module or file",
+    "sb3:path.zip": "a model saved by Stable-Baselines3, with --trust-pickle",
+}
+"""How an agent from elsewhere is named."""
 
 
-def agent_factory(name: str) -> AgentFactory:
-    """Import what makes the agent of that name.
+_NAMED: Final = (
+    inspect.Parameter.POSITIONAL_ONLY,
+    inspect.Parameter.POSITIONAL_OR_KEYWORD,
+    inspect.Parameter.KEYWORD_ONLY,
+)
+
+
+@dataclass(frozen=True)
+class Offer:
+    """What a factory gets if it declares it.
+
+    Attributes:
+        env_id: environment the agent will act in.
+        device: of PyTorch, for those who use it.
+        trust_pickle: whether files may be unpickled; never handed out.
+    """
+
+    env_id: str
+    device: str = "cpu"
+    trust_pickle: bool = False
+
+
+def make_agent(name: str, offer: Offer) -> Agent:
+    """Make a fresh agent.
 
     Args:
-        name: a name of ``AGENTS``, or ``module:attr`` of a class or factory without arguments.
-
-    Raises:
-        InvalidOptionError: unknown name, broken import, or nothing that could make an agent.
-    """
-    module_name, colon, attribute = AGENTS.get(name, name).partition(":")
-    if not (module_name and colon and attribute):
-        raise InvalidOptionError(f"{unknown_name('agent', name, AGENTS)}; or module:attr of yours")
-    factory = getattr(_import(name, module_name), attribute, None)
-    if factory is None:
-        known = [key for key in vars(_import(name, module_name)) if not key.startswith("_")]
-        raise InvalidOptionError(f"agent {name!r}: {unknown_name('attribute', attribute, known)}")
-    missing = [method for method in ("reset", "act") if not hasattr(factory, method)]
-    if not callable(factory) or (inspect.isclass(factory) and missing):
-        raise InvalidOptionError(
-            f"agent {name!r} is {factory!r}: name a factory, or a class with reset(episode, seed) "
-            "and act(observation)"
-        )
-    return factory
-
-
-def make_agent(name: str) -> Agent:
-    """Make a fresh agent.
+        name: one of ``AGENTS``, of a plug-in, or of the ``FORMS``.
+        offer: what its factory may ask for.
 
     Raises:
         InvalidOptionError: as ``agent_factory``, or the factory made something else.
     """
-    agent = agent_factory(name)()
+    factory = agent_factory(name, trust_pickle=offer.trust_pickle)
+    known = {"env_id": offer.env_id, "device": offer.device}
+    agent = factory(**{key: value for key, value in known.items() if key in _asked(factory)})
     if not isinstance(agent, Agent):
         raise InvalidOptionError(
             f"agent {name!r} made {type(agent).__name__}: it must have reset(episode, seed) "
             "and act(observation)"
         )
     return agent
+
+
+def agent_factory(name: str, *, trust_pickle: bool = False) -> AgentFactory:
+    """Import what makes the agent of that name.
+
+    Args:
+        name: one of ``AGENTS``, of a plug-in, or of the ``FORMS``.
+        trust_pickle: whether files may be unpickled.
+
+    Raises:
+        InvalidOptionError: unknown name, broken import, or nothing that could make an agent.
+    """
+    form, _, rest = name.partition(":")
+    try:
+        if name in AGENTS:
+            return _checked(load(AGENTS[name]))
+        if plugin := _plugin(name):
+            return _checked(load(plugin.entry_point.value))
+        if form == "fn":
+            return _function_agent(load(rest))
+        if form == "sb3":
+            return _sb3_agent(Path(rest), trust_pickle=trust_pickle)
+        if not (form and rest) or not is_there(name):
+            raise InvalidOptionError(_unknown(name))
+        return _checked(load(name))
+    except InvalidOptionError as error:
+        raise InvalidOptionError(f"agent {name!r}: {error}") from error
+
+
+def origin(name: str) -> str:
+    """Where an agent from elsewhere comes from: package, version, and a hash of its files.
+
+    Args:
+        name: as for ``agent_factory``, which must have accepted it.
+    """
+    form, _, rest = name.partition(":")
+    if form == "sb3":
+        versions = package_versions(("stable-baselines3", "torch"))
+        return ", ".join([source_of_file(Path(rest)), *map(" ".join, versions.items())])
+    plugin = _plugin(name)
+    if plugin:
+        return _source(plugin.entry_point.value, plugin.package)
+    return _source(rest if form == "fn" else name)
+
+
+def is_ours(name: str) -> bool:
+    """Whether the agent is part of this project, and needs no look at before it is run."""
+    return name in AGENTS
+
+
+def _source(target: str, distribution: str = "") -> str:
+    return source_of_module(load_module(target.rpartition(":")[0]), distribution)
+
+
+def _unknown(name: str) -> str:
+    known = [*AGENTS, *(plugin.name for plugin in find_plugins(AGENTS))]
+    hint = f"no module or file of that name is there either ({', '.join(FORMS)})"
+    return f"{unknown_name('agent', name, known)}; {hint}"
+
+
+def _plugin(name: str) -> Plugin | None:
+    for plugin in find_plugins(AGENTS):
+        if plugin.name == name:
+            if plugin.problem:
+                raise InvalidOptionError(plugin.problem)
+            return plugin
+    return None
+
+
+def _checked(factory: object) -> AgentFactory:
+    missing = [method for method in ("reset", "act") if not hasattr(factory, method)]
+    if not callable(factory) or (inspect.isclass(factory) and missing):
+        raise InvalidOptionError(
+            f"{factory!r} is no agent: name a factory, or a class with reset(episode, seed) and "
+            "act(observation)"
+        )
+    if inspect.isclass(factory):
+        _check_call(factory.reset, "reset(episode, seed)", 3)
+        _check_call(factory.act, "act(observation)", 2)
+    _asked(factory)
+    return factory
+
+
+def _check_call(function: Callable[..., object], call: str, arguments: int) -> None:
+    try:
+        inspect.signature(function).bind(*range(arguments))
+    except TypeError as error:
+        raise InvalidOptionError(f"it cannot be called as {call}: {error}") from error
+
+
+def _asked(factory: AgentFactory) -> list[str]:
+    """Parameters that can be given to a factory."""
+    asked = []
+    for name, parameter in inspect.signature(factory).parameters.items():
+        if name in ("env_id", "device"):
+            asked.append(name)
+        elif parameter.default is parameter.empty and parameter.kind in _NAMED:
+            raise InvalidOptionError(
+                f"its factory wants {name!r}, but gets only env_id and device: give it a default"
+            )
+    return asked
+
+
+def _function_agent(function: object) -> AgentFactory:
+    if not callable(function):
+        raise InvalidOptionError(f"{function!r} is no function observation -> action")
+    _check_call(function, "function(observation)", 1)
+    return partial(FunctionAgent, function)
+
+
+def _sb3_agent(path: Path, *, trust_pickle: bool) -> AgentFactory:
+    if not trust_pickle:
+        raise InvalidOptionError(
+            f"loading {path} unpickles it, which runs whatever code is in the file: if you trust "
+            "whoever made it, say so with --trust-pickle"
+        )
+    if importlib.util.find_spec("stable_baselines3") is None:
+        raise InvalidOptionError("it needs Stable-Baselines3: pip install stable-baselines3")
+    from benchmarks.sb3_agent import SB3Agent
+
+    return partial(SB3Agent, path)
 
 
 def check_env_id(env_id: str) -> None:
@@ -79,15 +219,3 @@ def check_env_id(env_id: str) -> None:
         from icd_envs.registration import ENV_IDS
 
         raise InvalidOptionError(f"{unknown_name('env', env_id, ENV_IDS)} ({error})") from error
-
-
-def _import(name: str, module_name: str) -> object:
-    try:
-        return importlib.import_module(module_name)
-    except Exception as error:
-        reason = f"{type(error).__name__}: {error}"
-        if name in AGENTS:
-            message = f"agent {name!r} is broken, importing {module_name} failed: {reason}"
-        else:
-            message = f"{unknown_name('agent', name, AGENTS)}; importing {module_name}: {reason}"
-        raise InvalidOptionError(message) from error

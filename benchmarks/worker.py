@@ -144,7 +144,7 @@ class Worker(Generic[J, R]):
             if monotonic() - self._given > _START_SECONDS:
                 return self._lost(f"the process did not start within {_START_SECONDS:g} s")
         elif monotonic() - self._began > self._job_seconds:
-            return self._lost(f"the episode is over its time budget of {self._job_seconds:g} s")
+            return self._lost(f"over its time budget of {self._job_seconds:g} s in all")
         return None
 
     def _lost(self, reason: str) -> Loss:

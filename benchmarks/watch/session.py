@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from benchmarks.conditions import TaskSpec, make_env
-from benchmarks.episode import reason
+from benchmarks.errors import reason
 from benchmarks.generators import seed_global_generators
 from benchmarks.plan import Job
-from benchmarks.registry import make_agent
+from benchmarks.registry import Offer, make_agent
 from benchmarks.suites import episode_seed
 from icd_envs.api import Agent, Episode, Float32Array, FloatArray, Observation, PlanView, Simulator
 from icd_envs.errors import InvalidOptionError
@@ -82,7 +82,7 @@ class Session:
             InvalidOptionError: unknown agent, or an environment of another kind.
         """
         self.agent_name = agent
-        self._agent: Agent = make_agent(agent)
+        self._agent: Agent = make_agent(agent, Offer(env_id))
         made = make_env(TaskSpec(env_id)).unwrapped
         if not isinstance(made, ContactEnv):
             made.close()

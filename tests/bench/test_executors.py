@@ -79,7 +79,7 @@ def test_job_that_kills_or_hangs_its_worker_is_lost_alone() -> None:
         "1: beginning, step 1: worker died (exit status 3)",
         "3: beginning, step 3: worker died (signal 11)",
         "5: thinking, step 5: over its time budget of 0.2 s",
-        "7: dreaming, step 7: the episode is over its time budget of 2 s",
+        "7: dreaming, step 7: over its time budget of 2 s in all",
     ]  # fmt: skip
 
 

@@ -10,6 +10,7 @@ from benchmarks.executors import InProcess
 from benchmarks.expert_runs import ExpertRuns
 from benchmarks.gates import GATES, AgentRuns, Gate, gates_of, judge, run_gates
 from benchmarks.progress import watching
+from benchmarks.registry import AGENTS
 from benchmarks.results import ROWS_NAME, read_rows
 from icd_envs import ENV_IDS
 from icd_envs.errors import InvalidOptionError
@@ -62,6 +63,13 @@ def test_every_task_has_the_gates_of_its_description(env_id: str) -> None:
 def test_gate_rows_do_not_mix_experts() -> None:
     sources = {g.source.agent for gates in GATES.values() for g in gates}
     assert len(sources) == len({g.source for gates in GATES.values() for g in gates})
+
+
+def test_agents_of_the_gates_are_known() -> None:
+    found = [g.source for gates in GATES.values() for g in gates]
+    agents = {source.agent for source in found if isinstance(source, AgentRuns)}
+    assert agents == {"pc-mppi", "ladder:oracle-points", "ladder:transferred-points"}
+    assert agents <= set(AGENTS)
 
 
 @pytest.mark.parametrize(

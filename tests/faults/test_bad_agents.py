@@ -110,7 +110,7 @@ def test_agent_that_sleeps_for_ever_is_ended_with_all_it_started(
 def test_episode_has_a_time_budget_of_its_own(tmp_path: Path) -> None:
     limits = dataclasses.replace(LIMITS, episode_seconds=2.0)
     (row,) = run_toys(tmp_path, toy.Sleeper, n=1, executor=Local(1), limits=limits)
-    assert row.message == "act, step 0: the episode is over its time budget of 2 s"
+    assert row.message == "act, step 0: over its time budget of 2 s in all"
 
 
 def is_gone(pid: int) -> bool:

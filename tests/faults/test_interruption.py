@@ -7,6 +7,7 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 from filelock import FileLock
 
@@ -38,10 +39,14 @@ def finish(out: Path, *more: str) -> str:
 
 def wait_for_rows(out: Path, count: int, process: subprocess.Popen[str]) -> None:
     deadline = time.monotonic() + 60.0
-    while not (out / ROWS_NAME).exists() or (out / ROWS_NAME).read_bytes().count(b"\n") < count:
+    while count_rows(out) < count:
         assert process.poll() is None, process.communicate()
         assert time.monotonic() < deadline
         time.sleep(0.005)
+
+
+def count_rows(out: Path) -> int:
+    return (out / ROWS_NAME).read_bytes().count(b"\n") if (out / ROWS_NAME).exists() else 0
 
 
 def wait_until_dead(locks: Path, seconds: float) -> int:
@@ -52,17 +57,29 @@ def wait_until_dead(locks: Path, seconds: float) -> int:
     return len(list(locks.iterdir()))
 
 
-def test_killed_run_resumes_to_the_uninterrupted_table(tmp_path: Path) -> None:
-    table = finish(tmp_path / "whole")
+@pytest.mark.parametrize(
+    ("episodes", "kills"), [(4, 3), pytest.param(40, 20, marks=pytest.mark.slow)]
+)
+def test_run_killed_at_random_moments_resumes_to_the_uninterrupted_table(
+    tmp_path: Path, episodes: int, kills: int
+) -> None:
+    many = ("--episodes", str(episodes))
+    table = finish(tmp_path / "whole", *many)
     killed = tmp_path / "killed"
-    for rows, workers in ((1, "1"), (4, "2"), (7, "1")):
-        process = start(killed, "--resume", "--workers", workers)
-        wait_for_rows(killed, rows, process)
+    rng = np.random.default_rng(kills)
+    progress = [0]
+    for _ in range(kills):
+        process = start(killed, *many, "--resume", "--workers", str(rng.integers(1, 3)))
+        wait_for_rows(killed, progress[-1] + int(rng.integers(0, 4)), process)
+        time.sleep(rng.uniform(0.0, 0.3))
         process.kill()
         assert process.wait() == -signal.SIGKILL
-    assert json.loads(finish(killed, "--resume")) == json.loads(table)
+        process.communicate()
+        progress.append(count_rows(killed))
+    assert len(set(progress)) > kills // 2
+    assert json.loads(finish(killed, *many, "--resume")) == json.loads(table)
     assert in_order(read_rows(killed)) == in_order(read_rows(tmp_path / "whole"))
-    assert (killed / ROWS_NAME).read_bytes().count(b"\n") == 2 * EPISODES
+    assert count_rows(killed) == 2 * episodes
 
 
 @pytest.mark.parametrize(
