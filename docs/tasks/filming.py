@@ -12,7 +12,7 @@ from PIL import Image
 
 import icd_envs  # noqa: F401  registers the environments
 from icd_envs.api import SimState
-from icd_envs.tasks.env import CAMERAS
+from icd_envs.screen import CAMERAS
 
 FOLDER: Final = Path(__file__).parent / "img"
 WIDTH: Final = 480
