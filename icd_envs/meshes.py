@@ -71,7 +71,7 @@ def _primitive(kind: int, size: Float64Array) -> trimesh.Trimesh:
         case mujoco.mjtGeom.mjGEOM_CYLINDER:
             return creation.cylinder(radius, 2 * half)
         case mujoco.mjtGeom.mjGEOM_CAPSULE:
-            return creation.capsule(2 * half, radius).apply_translation([0, 0, -half])
+            return creation.capsule(2 * half, radius)
         case mujoco.mjtGeom.mjGEOM_SPHERE:
             return creation.icosphere(2, radius)
     raise NotImplementedError(f"no mesh for geoms of type {mujoco.mjtGeom(kind).name}")

@@ -13,7 +13,7 @@ from benchmarks.watch.session import Moment
 from icd_envs.errors import InvalidOptionError
 from icd_envs.tasks.env import ContactEnv
 
-FARTHER: Final = 0.3
+FARTHER: Final = 0.5
 """[m] behind the camera of pictures: the panel hides a part of the page."""
 
 
@@ -72,9 +72,9 @@ class BrowserView:
         import viser
 
         self._server = viser.ViserServer(host, port, label=title, verbose=False)
-        self._server.gui.configure_theme(
-            show_logo=False, show_share_button=False, control_layout="collapsible"
-        )
+        # Sharing would open a tunnel through a server of somebody else.
+        self._server.gui.configure_theme(show_logo=False, show_share_button=False)
+        self._server.gui.main_panel.dock_right()
         self._scene = BrowserScene(self._server)
         self._panel = Panel(self._server.gui, controls, PARTS, self._scene.set_visible)
 

@@ -167,7 +167,7 @@ class NotebookFoldingEnv(ContactEnv[NotebookFoldingScene]):
             reward_type: ``sparse`` or ``dense``.
             obs_mode: ``full``, or ``partial``: what one camera sees of object and scene, with
                 noise; see ``icd_envs.api.PartialObservation``.
-            render_mode: None, ``rgb_array`` or ``depth_array``.
+            render_mode: None, ``human``, ``rgb_array`` or ``depth_array``.
             width: [px] of rendered pictures.
             height: [px] of rendered pictures.
             camera: ``overview``, ``side`` or ``top``.

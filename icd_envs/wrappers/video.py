@@ -1,7 +1,7 @@
 """Videos of episodes, written with imageio.
 
-Gymnasium's own ``RecordVideo`` needs MoviePy, which pins an old Pillow; it works as well where
-MoviePy is installed.
+Gymnasium's own ``RecordVideo`` works as well; it needs MoviePy, which asks for an older Pillow.
+An agent's plan is in the frames if the environment was told of it: ``env.unwrapped.show_plan``.
 """
 
 from __future__ import annotations

@@ -3,9 +3,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from icd_agent.chain import SubgoalChain
-from icd_envs.api import Float64Array
+from icd_agent.chain import GoalSource, PointSpace, SubgoalChain
+from icd_envs.api import Float64Array, FloatArray
 from icd_envs.errors import InvalidOptionError
+from tests.agent.toy_world import ToyWorld
 
 
 def clouds(*xs: float) -> Float64Array:
@@ -92,3 +93,22 @@ def test_chain_keeps_its_own_copy() -> None:
 def test_unusable_chain_is_refused(bad: Float64Array) -> None:
     with pytest.raises(InvalidOptionError, match="subgoals"):
         SubgoalChain(bad)
+
+
+class Norms:
+    """A space that is not made of points."""
+
+    def features(self, points: FloatArray) -> FloatArray:
+        return np.linalg.norm(points, axis=-1, keepdims=True)
+
+
+@pytest.mark.parametrize("space", [PointSpace(), Norms()])
+def test_goal_is_a_chain_of_one_that_can_be_drawn_whatever_the_space(
+    space: PointSpace | Norms,
+) -> None:
+    world = ToyWorld()
+    observation = world.observation()
+    chain = GoalSource(space).chain(world.episode(), observation)
+    goal = observation["desired_goal"]
+    np.testing.assert_array_equal(chain.features, space.features(goal)[None])
+    np.testing.assert_array_equal(chain.clouds, goal[None])
