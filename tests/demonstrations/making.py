@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.collect import collect
+from benchmarks.executors import InProcess
 from icd_envs.demonstrations.header import Header
 from icd_envs.demonstrations.shard import Recording
 from tests.envs.making import CABLE
@@ -28,7 +29,7 @@ def make_header(**fields: object) -> Header:
 
 def make_folder(out: Path, **fields: object) -> Path:
     """A folder of short episodes."""
-    collect(make_header(**fields), out)
+    collect(make_header(**fields), out, InProcess())
     return out
 
 
