@@ -12,7 +12,6 @@ from icd_envs.api import Float64Array, FloatArray
 
 if TYPE_CHECKING:
     import mujoco
-    import trimesh
 
 
 @dataclass(frozen=True)
@@ -37,16 +36,21 @@ class Mesh:
 
 
 def group_meshes(model: mujoco.MjModel, data: mujoco.MjData, group: int) -> list[Mesh]:
-    """Every box, cylinder, capsule and sphere of one group of geoms.
+    """Every part of one group of geoms.
 
     Args:
         model: the scene.
         data: its state; positions must be up to date.
         group: as in ``icd_envs.scenes.layers``.
+
+    Raises:
+        SceneExportError: on a geom without a mesh.
     """
+    from icd_envs.physics.meshes import colour_of, shape_of
+
     found = []
     for index in np.flatnonzero(model.geom_group == group):
-        mesh = _primitive(int(model.geom_type[index]), model.geom_size[index])
+        mesh = shape_of(model, int(index))
         found.append(
             Mesh(
                 name=model.geom(index).name,
@@ -54,24 +58,7 @@ def group_meshes(model: mujoco.MjModel, data: mujoco.MjData, group: int) -> list
                 faces=np.asarray(mesh.faces),
                 position=data.geom_xpos[index].copy(),
                 rotation=data.geom_xmat[index].reshape(3, 3).copy(),
-                rgba=model.geom_rgba[index].copy(),
+                rgba=colour_of(model, int(index)),
             )
         )
     return found
-
-
-def _primitive(kind: int, size: Float64Array) -> trimesh.Trimesh:
-    import mujoco
-    from trimesh import creation
-
-    radius, half, _ = size
-    match mujoco.mjtGeom(kind):
-        case mujoco.mjtGeom.mjGEOM_BOX:
-            return creation.box(2 * size)
-        case mujoco.mjtGeom.mjGEOM_CYLINDER:
-            return creation.cylinder(radius, 2 * half)
-        case mujoco.mjtGeom.mjGEOM_CAPSULE:
-            return creation.capsule(2 * half, radius)
-        case mujoco.mjtGeom.mjGEOM_SPHERE:
-            return creation.icosphere(2, radius)
-    raise NotImplementedError(f"no mesh for geoms of type {mujoco.mjtGeom(kind).name}")

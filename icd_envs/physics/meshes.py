@@ -46,27 +46,51 @@ def as_trimesh(model: mujoco.MjModel, data: mujoco.MjData) -> trimesh.Scene:
         pose[:3, 3] = data.geom_xpos[geom]
         name = model.geom(geom).name or f"geom_{geom}"
         scene.add_geometry(
-            _mesh(model, int(geom)), node_name=name, geom_name=name,
+            _coloured(model, int(geom)), node_name=name, geom_name=name,
             parent_node_name="z_up", transform=pose,
         )  # fmt: skip
     return scene
 
 
-def _mesh(model: mujoco.MjModel, geom: int) -> trimesh.Trimesh:
-    """One geom in its own frame, with its colour."""
+def shape_of(model: mujoco.MjModel, geom: int) -> trimesh.Trimesh:
+    """One geom in its own frame, without colour.
+
+    Raises:
+        SceneExportError: it is of an unknown shape, or without an end.
+    """
     kind = mujoco.mjtGeom(model.geom_type[geom])
     size = model.geom_size[geom]
     endless = kind == mujoco.mjtGeom.mjGEOM_PLANE and not size[:2].all()
     if kind == mujoco.mjtGeom.mjGEOM_MESH:
-        mesh = _own_mesh(model, int(model.geom_dataid[geom]))
-    elif kind in MAKERS and not endless:
-        mesh = MAKERS[kind](size)
-    else:
+        return _own_mesh(model, int(model.geom_dataid[geom]))
+    if kind not in MAKERS or endless:
         raise SceneExportError(
             f"geom {model.geom(geom).name!r} is of type {kind.name} and size {size.tolist()}, "
             f"which has no mesh: known are {', '.join(known.name for known in MAKERS)}, mjGEOM_MESH"
         )
-    rgba = _rgba(model, geom)
+    return MAKERS[kind](size)
+
+
+def colour_of(model: mujoco.MjModel, geom: int) -> Float64Array:
+    """(4,) colour of a geom in pictures before light falls on it; a texture counts as its mean."""
+    rgba: Float64Array = model.geom_rgba[geom].astype(np.float64)
+    material = int(model.geom_matid[geom])
+    if material < 0:
+        return rgba
+    if np.array_equal(rgba, DEFAULT_RGBA):
+        rgba = model.mat_rgba[material].astype(np.float64)
+    texture = int(model.mat_texid[material, mujoco.mjtTextureRole.mjTEXROLE_RGB])
+    if texture >= 0:
+        channels = int(model.tex_nchannel[texture])
+        count = int(model.tex_height[texture] * model.tex_width[texture]) * channels
+        first = int(model.tex_adr[texture])
+        pixels = model.tex_data[first : first + count].reshape(-1, channels)
+        rgba[:3] *= pixels[:, :3].mean(axis=0) / 255
+    return rgba
+
+
+def _coloured(model: mujoco.MjModel, geom: int) -> trimesh.Trimesh:
+    mesh, rgba = shape_of(model, geom), colour_of(model, geom)
     mesh.visual = trimesh.visual.TextureVisuals(
         material=trimesh.visual.material.PBRMaterial(
             # glTF's factors are linear, MuJoCo's colours are those of the screen.
@@ -103,21 +127,3 @@ def _own_mesh(model: mujoco.MjModel, mesh: int) -> trimesh.Trimesh:
     vertices = model.mesh_vert[first_vertex : first_vertex + model.mesh_vertnum[mesh]]
     faces = model.mesh_face[first_face : first_face + model.mesh_facenum[mesh]]
     return trimesh.Trimesh(vertices, faces)
-
-
-def _rgba(model: mujoco.MjModel, geom: int) -> Float64Array:
-    """(4,) colour of a geom in pictures before light falls on it; a texture counts as its mean."""
-    rgba: Float64Array = model.geom_rgba[geom].astype(np.float64)
-    material = int(model.geom_matid[geom])
-    if material < 0:
-        return rgba
-    if np.array_equal(rgba, DEFAULT_RGBA):
-        rgba = model.mat_rgba[material].astype(np.float64)
-    texture = int(model.mat_texid[material, mujoco.mjtTextureRole.mjTEXROLE_RGB])
-    if texture >= 0:
-        channels = int(model.tex_nchannel[texture])
-        count = int(model.tex_height[texture] * model.tex_width[texture]) * channels
-        first = int(model.tex_adr[texture])
-        pixels = model.tex_data[first : first + count].reshape(-1, channels)
-        rgba[:3] *= pixels[:, :3].mean(axis=0) / 255
-    return rgba

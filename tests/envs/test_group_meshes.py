@@ -60,8 +60,3 @@ def test_meshes_keep_their_place_when_the_scene_moves(
     data.geom_xpos[:] += 1.0
     np.testing.assert_array_equal(box.position, before)
     data.geom_xpos[:] -= 1.0
-
-
-def test_geom_without_a_mesh_is_named(scene: tuple[mujoco.MjModel, mujoco.MjData]) -> None:
-    with pytest.raises(NotImplementedError, match="mjGEOM_PLANE"):
-        group_meshes(*scene, 1)
