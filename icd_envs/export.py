@@ -9,7 +9,7 @@ from typing import Any
 import gymnasium as gym
 
 from icd_envs.errors import InvalidOptionError, SceneExportError
-from icd_envs.physics.meshes import as_trimesh
+from icd_envs.physics.gltf import as_trimesh
 from icd_envs.tasks.env import ContactEnv
 
 
@@ -36,7 +36,7 @@ def export_glb(env: gym.Env[Any, Any], path: str | PathLike[str]) -> int:
     target = Path(path)
     if target.suffix != ".glb":
         raise InvalidOptionError(f"path must end in .glb, got {str(target)!r}")
-    scene = as_trimesh(bare.plant.model, bare.plant.data)
+    scene = as_trimesh(bare.model, bare.data)
     content = scene.export(file_type="glb")
     try:
         target.write_bytes(content)

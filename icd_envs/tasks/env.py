@@ -32,7 +32,6 @@ from icd_envs.errors import (
 from icd_envs.geometry.point_cloud import sample_scene
 from icd_envs.geometry.sdf import BoxUnion
 from icd_envs.physics.guard import BOUND
-from icd_envs.physics.plant import Plant
 from icd_envs.physics.simulator import RolloutSimulator
 from icd_envs.scenes.gripper import gripper_spheres
 from icd_envs.screen import CONTROL_PERIOD, RENDER_MODES, Screen
@@ -127,15 +126,6 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
         self._spec = spec
         if spec is not None and spec.max_episode_steps is None:
             spec.max_episode_steps = self.task.max_steps
-
-    @property
-    def plant(self) -> Plant:
-        """The compiled scene and its state, as MuJoCo's ``model`` and ``data``: to look at.
-
-        Raises:
-            EpisodeStateError: before ``reset`` or after ``close``.
-        """
-        return self._require_problem("plant").plant
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None

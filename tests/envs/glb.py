@@ -11,7 +11,7 @@ import trimesh
 from mujoco import mjtGeom
 
 from icd_envs.physics.camera import VISIBLE_GROUPS
-from icd_envs.physics.meshes import Y_UP
+from icd_envs.physics.gltf import Y_UP
 
 FLAT = 0.025
 """Share of its volume and radius that a round shape loses by its flat faces, at most."""

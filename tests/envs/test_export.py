@@ -18,18 +18,18 @@ from tests.envs.making import CABLE, make
 @pytest.mark.parametrize("env_id", ENV_IDS)
 def test_file_holds_what_the_model_holds(env_id: str, tmp_path: Path) -> None:
     env = make(env_id)
-    env.reset(seed=0)
+    observation, _ = env.reset(seed=0)
     oracle = env.episode(oracle=True).oracle
     assert oracle is not None
     for action in oracle.actions[:60]:
-        env.step(action)
+        observation, *_ = env.step(action)
     count = export_glb(env, tmp_path / "scene.glb")
     meshes = reloaded(tmp_path / "scene.glb")
-    check_meshes(meshes, env.plant.model, env.plant.data)
+    check_meshes(meshes, env.model, env.data)
     assert count == len(meshes)
     assert meshes["floor"].bounds[1, 2] == pytest.approx(0.0, abs=1e-6)
     fingertip = meshes["finger_left"].bounds[0, 2]
-    assert fingertip == pytest.approx(env.plant.gripper()[2], abs=1e-6)
+    assert fingertip == pytest.approx(observation["observation"][2], abs=1e-6)
     env.close()
 
 

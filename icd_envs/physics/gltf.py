@@ -1,4 +1,4 @@
-"""A compiled scene as meshes: what pictures show, without the goal.
+"""A compiled scene as glTF has it: what pictures show, without the goal.
 
 Made from the model's geoms alone, so that it fits every task.
 """

@@ -6,7 +6,7 @@ import pytest
 import trimesh
 
 from icd_envs.errors import SceneExportError
-from icd_envs.physics.meshes import as_trimesh
+from icd_envs.physics.gltf import as_trimesh
 from tests.envs.glb import check_meshes, reloaded
 
 TOY = """
