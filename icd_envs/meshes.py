@@ -46,7 +46,7 @@ def group_meshes(model: mujoco.MjModel, data: mujoco.MjData, group: int) -> list
     Raises:
         SceneExportError: on a geom without a mesh.
     """
-    from icd_envs.physics.meshes import colour_of, shape_of
+    from icd_envs.physics.gltf import colour_of, shape_of
 
     found = []
     for index in np.flatnonzero(model.geom_group == group):
