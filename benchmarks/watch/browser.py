@@ -13,7 +13,7 @@ from benchmarks.watch.session import Moment
 from icd_envs.errors import InvalidOptionError
 from icd_envs.tasks.env import ContactEnv
 
-FARTHER: Final = 0.5
+FARTHER: Final = 0.2
 """[m] behind the camera of pictures: the panel hides a part of the page."""
 
 
@@ -90,8 +90,9 @@ class BrowserView:
         forward = -camera.mat0.reshape(3, 3)[:, 2]
         start = self._server.initial_camera
         start.fov = np.radians(camera.fovy[0])
-        start.look_at = camera.pos - camera.pos[2] / forward[2] * forward  # on the floor
         start.position = camera.pos - FARTHER * forward
+        clouds = [moment.observation["achieved_goal"], moment.observation["desired_goal"]]
+        start.look_at = np.concatenate(clouds).mean(axis=0)
         self._panel.show(moment)
 
     def show(self, moment: Moment) -> None:

@@ -11,7 +11,7 @@ from benchmarks.attempt import Attempt, Settings
 from benchmarks.episode import play
 from benchmarks.plan import Job
 from benchmarks.pulse import Pulse
-from benchmarks.registry import make_agent
+from benchmarks.registry import Offer, make_agent
 from benchmarks.suites import episode_seed
 from benchmarks.watch.session import Session
 from icd_envs import ENV_IDS
@@ -86,7 +86,7 @@ def test_agent_that_is_watched_does_what_it_does_alone(sessions: list[Session]) 
     seed = watched.begin(0).seed
     moments = [watched.advance() for _ in range(2)]
     assert moments[1].future is not None
-    env, agent = make(CABLE), make_agent("pc-mppi")
+    env, agent = make(CABLE), make_agent("pc-mppi", Offer(CABLE))
     observation, _ = env.reset(seed=seed)
     agent.reset(env.episode(simulator=True), seed)
     for moment in moments:
