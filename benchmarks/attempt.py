@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 from benchmarks.plan import Job
 from benchmarks.rows import Row
 from benchmarks.worker import MATH_THREADS
 from icd_envs.errors import InvalidOptionError
+
+RENDERING: Final = "rendering"
+"""What a worker is doing while it draws a picture."""
 
 
 class Attempt(NamedTuple):
@@ -47,6 +50,7 @@ class Settings:
         episode_seconds: [s] that one episode may take, with everything that must be loaded for it.
         device: for factories that ask for one.
         trust_pickle: whether agents may be unpickled, which runs whatever code is in the file.
+        render_seconds: [s] that one picture of a video may take.
     """
 
     threads: int = 1
@@ -54,6 +58,7 @@ class Settings:
     episode_seconds: float = 3600.0
     device: str = "cpu"
     trust_pickle: bool = False
+    render_seconds: float = 60.0
 
     def __post_init__(self) -> None:
         """Refuse budgets that nothing could keep."""

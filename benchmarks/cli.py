@@ -20,6 +20,7 @@ import typer
 
 if TYPE_CHECKING:
     from benchmarks.interrupts import Interrupt
+    from benchmarks.videos import Choice
 
 FINE, FAILED_EPISODES, USAGE, INCOMPATIBLE = 0, 1, 2, 3
 
@@ -46,7 +47,7 @@ AsJson = Annotated[bool, typer.Option("--json", help="Print JSON, and only JSON,
 
 
 class Videos(StrEnum):
-    """Which videos a page shows."""
+    """Which videos are made, or shown by a page."""
 
     first = "first"
     failures = "failures"
@@ -97,17 +98,20 @@ def run(
         bool,
         typer.Option("--allow-mixed", help="Resume with other budgets, code or versions; flagged."),
     ] = False,
+    videos: Annotated[
+        Videos | None, typer.Option(help="Episodes to film.", show_default="none")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Run agents, one row per episode, and print the table."""
     _import_from_working_directory()
     with _errors_in_one_line():
-        from benchmarks import progress, results
+        from benchmarks import progress, results, runner
         from benchmarks.attempt import Settings
         from benchmarks.executors import make_executor
         from benchmarks.interrupts import interruptible
         from benchmarks.plan import plan_suite
-        from benchmarks.run_command import run_plan
+        from benchmarks.run_command import look_first
         from benchmarks.suites import find_suite
         from icd_envs.errors import InvalidOptionError
 
@@ -117,14 +121,20 @@ def run(
             raise InvalidOptionError("--resume needs --out: name the folder to go on with")
         executor = make_executor("local", workers=workers, threads=threads, address=None)
         settings = Settings(executor.threads, act_seconds, episode_seconds, device, trust_pickle)
+        filmed: Choice | None = videos.value if videos else None
+        with interruptible() as interrupt, redirect_stdout(sys.stderr):
+            record = look_first(plan, executor, settings, filmed)
+        _exit_if(interrupt)
         folder = out or results.new_folder(Path("runs"))
         typer.echo(f"results: {folder}", err=True)
         with interruptible() as interrupt, redirect_stdout(sys.stderr):
-            run_plan(
+            runner.run(
                 plan,
                 folder,
+                runner.episodes(settings),
                 executor,
-                settings,
+                settings=record,
+                videos=filmed,
                 resume=resume,
                 allow_mixed=allow_mixed,
                 watch=progress.watching("episodes"),

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import atexit
+import warnings
 from contextlib import suppress
 from dataclasses import dataclass, field
 from time import perf_counter
 from typing import Any
 
-import gymnasium as gym
 import numpy as np
 
 from benchmarks.attempt import Attempt, Played, Settings
 from benchmarks.conditions import TaskSpec, make_env
-from benchmarks.errors import reason
+from benchmarks.errors import ResultsWarning, reason
+from benchmarks.filming import Camera, Env, in_pictures
 from benchmarks.generators import seed_global_generators
 from benchmarks.plan import Job
 from benchmarks.pulse import Pulse
@@ -25,10 +27,10 @@ from icd_envs.api import Agent, Episode
 class _Kept:
     """What a worker process keeps between episodes; scenes and weights are slow to load."""
 
-    envs: dict[TaskSpec, gym.Env[Any, Any]] = field(default_factory=dict)
+    envs: dict[TaskSpec, Env] = field(default_factory=dict)
     agents: dict[tuple[str, str], Agent] = field(default_factory=dict)
 
-    def env(self, task: TaskSpec) -> gym.Env[Any, Any]:
+    def env(self, task: TaskSpec) -> Env:
         if task not in self.envs:
             self.envs[task] = make_env(task)
         return self.envs[task]
@@ -38,13 +40,19 @@ class _Kept:
             self.agents[name, offer.env_id] = make_agent(name, offer)
         return self.agents[name, offer.env_id]
 
+    def close(self) -> None:
+        """Free what is there, while OpenGL is still there to free its part."""
+        while self.envs:
+            with suppress(Exception):
+                self.envs.popitem()[1].close()
+
     def drop(self, job: Job) -> None:
         """Forget agent and environment of a job that went wrong: their state is unknown."""
         self.agents.pop((job.agent, job.env), None)
-        env = self.envs.pop(job.task, None)
-        if env is not None:
-            with suppress(Exception):
-                env.close()
+        for task in (job.task, in_pictures(job.task)):
+            if task in self.envs:
+                with suppress(Exception):
+                    self.envs.pop(task).close()
 
 
 @dataclass
@@ -57,6 +65,7 @@ class _Tally:
 
 
 _kept = _Kept()
+atexit.register(_kept.close)
 
 
 def play(attempt: Attempt, pulse: Pulse, settings: Settings) -> Played:
@@ -70,8 +79,10 @@ def play(attempt: Attempt, pulse: Pulse, settings: Settings) -> Played:
     job = attempt.job
     start = perf_counter()
     tally = _Tally()
+    camera = Camera(pulse, settings.render_seconds) if attempt.film else None
     try:
-        info = _play(job, settings, pulse, tally)
+        pulse.doing = "making the environment"
+        info = _play(_stage(job, camera), job, settings, pulse, tally)
         row = Row(
             agent=job.agent,
             env=job.env,
@@ -101,14 +112,24 @@ def play(attempt: Attempt, pulse: Pulse, settings: Settings) -> Played:
             act_seconds=tally.act_seconds / max(1, pulse.step),
             privileged=tally.privileged,
         )
+    video = camera.develop() if camera else b""
+    if row.status == "error":
         _kept.drop(job)
-    return Played(row)
+    return Played(row, video)
 
 
-def _play(job: Job, settings: Settings, pulse: Pulse, tally: _Tally) -> dict[str, Any]:
+def _stage(job: Job, camera: Camera | None) -> Env:
+    """The environment, drawn and recorded if that is possible."""
+    if camera is not None:
+        try:
+            return camera.watch(_kept.env(in_pictures(job.task)))
+        except Exception as error:
+            warnings.warn(f"no videos of {job.env}: {reason(error)}", ResultsWarning, stacklevel=2)
+    return _kept.env(job.task)
+
+
+def _play(env: Env, job: Job, settings: Settings, pulse: Pulse, tally: _Tally) -> dict[str, Any]:
     """Act until the episode ends and return its last info."""
-    pulse.doing = "making the environment"
-    env = _kept.env(job.task)
     pulse.doing = "making the agent"
     agent = _kept.agent(job.agent, Offer(job.env, settings.device, settings.trust_pickle))
     simulator = bool(getattr(agent, "needs_simulator", False))

@@ -1,49 +1,40 @@
-"""What ``icd-bench run`` does: look at everything first, then run."""
+"""What ``icd-bench run`` does before it runs."""
 
 from __future__ import annotations
 
-from pathlib import Path
-
-from benchmarks import registry, runner
+from benchmarks import registry
 from benchmarks.attempt import Settings
 from benchmarks.examination import examine
 from benchmarks.executors import Executor
+from benchmarks.filming import check_videos
 from benchmarks.plan import Plan
-from benchmarks.rows import Row
-from benchmarks.runner import Watch
+from benchmarks.videos import Choice
 from icd_envs.errors import InvalidOptionError
 
 
-def run_plan(
-    plan: Plan,
-    out: Path,
-    executor: Executor,
-    settings: Settings,
-    *,
-    resume: bool,
-    allow_mixed: bool,
-    watch: Watch,
-) -> list[Row]:
-    """Run agents; see ``benchmarks.runner.run`` for the arguments.
+def look_first(
+    plan: Plan, executor: Executor, settings: Settings, videos: Choice | None
+) -> dict[str, str | float]:
+    """Make sure that everything is there, before anything is run or written.
+
+    Args:
+        plan: what will be run.
+        executor: who will run it.
+        settings: what agents will be given.
+        videos: which episodes will leave a video.
+
+    Returns:
+        What decides how episodes end, beside the plan: for ``benchmarks.runner.run``.
 
     Raises:
-        InvalidOptionError: an environment or agent cannot be used; nothing was run.
-        ResultsError: the folder cannot be used; nothing in it was changed.
+        InvalidOptionError: an environment or agent cannot be used, or videos cannot be made.
     """
+    if videos:
+        check_videos()
     for env_id in plan.envs:
         registry.check_env_id(env_id)
     foreign = [name for name in plan.agents if name not in registry.AGENTS]
     examined = examine(foreign, executor, trust_pickle=settings.trust_pickle)
     for problem in (agent.problem for agent in examined if agent.problem):
         raise InvalidOptionError(problem)
-    origins = {f"agent {agent.name}": agent.origin for agent in examined}
-    return runner.run(
-        plan,
-        out,
-        runner.episodes(settings),
-        executor,
-        settings=settings.record() | origins,
-        resume=resume,
-        allow_mixed=allow_mixed,
-        watch=watch,
-    )
+    return settings.record() | {f"agent {agent.name}": agent.origin for agent in examined}

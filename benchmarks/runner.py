@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, closing, contextmanager
 from functools import partial
 from pathlib import Path
 
-from benchmarks.attempt import Attempt, Played, Settings
-from benchmarks.executors import Executor, Work
-from benchmarks.plan import Plan
+from benchmarks.attempt import RENDERING, Attempt, Played, Settings
+from benchmarks.errors import ResultsWarning
+from benchmarks.executors import Executor, Retry, Work
+from benchmarks.plan import Job, Plan
 from benchmarks.results import open_results
 from benchmarks.rows import Row, error_row
+from benchmarks.videos import Choice, save_video
 from benchmarks.worker import Loss
 
 Episodes = Work[Attempt, Played]
@@ -37,9 +40,17 @@ def episodes(settings: Settings) -> Episodes:
     )
 
 
-def lost(attempt: Attempt, loss: Loss) -> Played:
-    """Row of an episode whose worker hung or died."""
+def lost(attempt: Attempt, loss: Loss) -> Played | Retry[Attempt]:
+    """Row of an episode whose worker hung or died; if that was for a video, another go without."""
+    if attempt.film and loss.doing == RENDERING:
+        warnings.warn(f"no video of {attempt.job.key}: {loss}", ResultsWarning, stacklevel=2)
+        return Retry(attempt._replace(film=False))
     return Played(error_row(attempt.job, str(loss), steps=loss.step, seconds=loss.seconds))
+
+
+def _may_be_shown(job: Job, videos: Choice | None) -> bool:
+    """Whether an episode is filmed; how it ends is not known yet."""
+    return videos in ("failures", "all") or (videos == "first" and job.index == job.repeat == 0)
 
 
 def _agent(attempt: Attempt) -> str:
@@ -53,6 +64,7 @@ def run(
     executor: Executor,
     *,
     settings: Mapping[str, str | float] | None = None,
+    videos: Choice | None = None,
     resume: bool = False,
     allow_mixed: bool = False,
     watch: Watch = unwatched,
@@ -65,6 +77,7 @@ def run(
         work: what makes a row of a job, e.g. ``episodes(Settings())``.
         executor: who does it.
         settings: what decides how episodes end, for the manifest.
+        videos: which episodes leave a video in the folder.
         resume: go on with results that are in the folder.
         allow_mixed: even if they are of other settings, code or versions.
         watch: shows progress.
@@ -80,12 +93,16 @@ def run(
         out, plan, resume=resume, settings=settings, allow_mixed=allow_mixed
     ) as folder:
         finished = {row.key for row in folder.rows}
-        attempts = [Attempt(job) for job in jobs if job.key not in finished]
+        attempts = [
+            Attempt(job, film=_may_be_shown(job, videos)) for job in jobs if job.key not in finished
+        ]
         with (
             watch(len(jobs), tuple(folder.rows)) as seen,
             closing(executor.execute(work, attempts)) as played,
         ):
-            for row, _ in played:
+            for row, video in played:
+                if video and not (videos == "failures" and row.success):
+                    save_video(out, row.key, video)
                 folder.append(row)
                 seen(row)
         return folder.rows

@@ -8,6 +8,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final, Literal, get_args
 
+from benchmarks.errors import ResultsError
+from benchmarks.files import write_atomically
 from benchmarks.plan import JobKey
 from benchmarks.rows import Row
 
@@ -26,6 +28,20 @@ def video_path(folder: Path, key: JobKey) -> Path:
     """
     *names, index, repeat = key
     return folder.joinpath(FOLDER_NAME, *map(_safe, map(str, names)), f"{index:05d}-{repeat}.mp4")
+
+
+def save_video(folder: Path, key: JobKey, content: bytes) -> None:
+    """Put the video of an episode in its place, whole.
+
+    Raises:
+        ResultsError: the file system did not take it.
+    """
+    path = video_path(folder, key)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_atomically(path, content)
+    except OSError as error:
+        raise ResultsError(f"cannot write {path}: {error}") from error
 
 
 def wanted(rows: Sequence[Row], choice: Choice) -> list[Row]:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import secrets
+import shutil
 import signal
 import sys
 import tempfile
@@ -12,6 +14,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
+from pathlib import Path
 from time import monotonic
 from typing import Final, Generic, NamedTuple, TypeVar
 
@@ -78,11 +81,9 @@ class Worker(Generic[J, R]):
         self._given = 0.0
         self._began: float | None = None
         self._pulse = Pulse(context)
-        self._folder = tempfile.TemporaryDirectory("", "icd-bench-", ignore_cleanup_errors=True)
+        self._folder = Path(tempfile.gettempdir(), f"icd-bench-{secrets.token_hex(8)}")
         self.connection, theirs = context.Pipe()
-        self._process = context.Process(
-            target=_serve, args=(theirs, do, self._pulse, self._folder.name)
-        )
+        self._process = context.Process(target=_serve, args=(theirs, do, self._pulse, self._folder))
         with _environment(MATH_THREADS, "1"):
             self._process.start()
         theirs.close()
@@ -124,7 +125,7 @@ class Worker(Generic[J, R]):
         self._process.kill()
         self._process.join()
         self.connection.close()
-        self._folder.cleanup()
+        shutil.rmtree(self._folder, ignore_errors=True)
 
     @property
     def _pid(self) -> int:
@@ -173,9 +174,10 @@ def _environment(name: str, value: str) -> Iterator[None]:
         del os.environ[name]
 
 
-def _serve(connection: Connection, do: Callable[[J, Pulse], R], pulse: Pulse, folder: str) -> None:
+def _serve(connection: Connection, do: Callable[[J, Pulse], R], pulse: Pulse, folder: Path) -> None:
     """What the process does: jobs, until the pipe is closed."""
-    tempfile.tempdir = folder
+    folder.mkdir(0o700)
+    tempfile.tempdir = str(folder)
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_IGN)  # they are for the supervisor, which kills
     if hasattr(os, "setpgid"):
@@ -183,7 +185,7 @@ def _serve(connection: Connection, do: Callable[[J, Pulse], R], pulse: Pulse, fo
     with suppress(OSError):
         os.dup2(2, 1)  # stdout holds tables and JSON alone
     sys.stdout = sys.stderr
-    threading.Thread(target=_end_with_parent, daemon=True).start()
+    threading.Thread(target=_end_with_parent, args=(folder,), daemon=True).start()
     with suppress(EOFError):
         while True:
             job = connection.recv()
@@ -194,6 +196,7 @@ def _serve(connection: Connection, do: Callable[[J, Pulse], R], pulse: Pulse, fo
                 answer = (False, error)
             pulse.rest()
             _send(connection, answer)
+    shutil.rmtree(folder, ignore_errors=True)
 
 
 def _send(connection: Connection, answer: tuple[bool, object]) -> None:
@@ -203,10 +206,11 @@ def _send(connection: Connection, answer: tuple[bool, object]) -> None:
         connection.send((False, RuntimeError(f"{answer[1]!r} cannot be sent: {error}")))
 
 
-def _end_with_parent() -> None:
+def _end_with_parent(folder: Path) -> None:
     parent = multiprocessing.parent_process()
     if parent is not None:
         parent.join()
+        shutil.rmtree(folder, ignore_errors=True)
         if hasattr(os, "killpg"):
             with suppress(ProcessLookupError, PermissionError):
                 os.killpg(os.getpid(), signal.SIGKILL)

@@ -7,6 +7,8 @@ An agent's plan is in the frames if the environment was told of it: ``env.unwrap
 from __future__ import annotations
 
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -47,6 +49,7 @@ class RecordEpisodes(
         self._folder, self._name, self._every = Path(folder), name, every
         self._episodes = 0
         self._works = True
+        self._path = self._folder
         self._writer: Any = None
 
     def reset(
@@ -63,10 +66,9 @@ class RecordEpisodes(
     def step(self, action: FloatArray) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
         """Step and add a frame; the file is complete when the episode has ended."""
         result = super().step(action)
-        if self._writer is not None:
-            self._writer.append_data(self.env.render())
-            if result[2] or result[3]:
-                self._finish()
+        self._add_frame()
+        if result[2] or result[3]:
+            self._finish()
         return result
 
     def close(self) -> None:
@@ -77,19 +79,32 @@ class RecordEpisodes(
     def _begin(self) -> None:
         import imageio
 
-        try:
-            frame = self.env.render()
-        except RenderingUnavailableError as error:
-            self._works = False
-            warnings.warn(f"no videos: {error}", stacklevel=3)
-            return
-        self._folder.mkdir(parents=True, exist_ok=True)
-        path = self._folder / f"{self._name}-{self._episodes:04d}.mp4"
+        self._path = self._folder / f"{self._name}-{self._episodes:04d}.mp4"
         fps = self.metadata["render_fps"]
-        self._writer = imageio.get_writer(path, fps=fps, macro_block_size=2)
-        self._writer.append_data(frame)
+        with self._harmless():
+            self._folder.mkdir(parents=True, exist_ok=True)
+            self._writer = imageio.get_writer(self._path, fps=fps, macro_block_size=2)
+        self._add_frame()
+
+    def _add_frame(self) -> None:
+        if self._writer is not None:
+            with self._harmless():
+                self._writer.append_data(self.env.render())
 
     def _finish(self) -> None:
         if self._writer is not None:
-            self._writer.close()
+            with self._harmless():
+                self._writer.close()
             self._writer = None
+
+    @contextmanager
+    def _harmless(self) -> Iterator[None]:
+        """A broken OpenGL, a missing ffmpeg or a full disk must not change what is recorded."""
+        try:
+            yield
+        except (RenderingUnavailableError, OSError, RuntimeError) as error:
+            self._works = False
+            self._writer = None
+            with suppress(OSError):
+                self._path.unlink(missing_ok=True)  # half a file cannot be played
+            warnings.warn(f"no videos: {error}", stacklevel=4)

@@ -54,10 +54,11 @@ def run_toys(
     n: int = 4,
     executor: Executor = IN_PROCESS,
     limits: Settings = LIMITS,
+    env: str = toy.ENV,
     **options: object,
 ) -> list[Row]:
     """A run of toy agents, without times, in the plan's order."""
-    plan = Plan(tuple(toy.spec(agent) for agent in agents), (TaskSpec(toy.ENV),), n, seed=7)
+    plan = Plan(tuple(toy.spec(agent) for agent in agents), (TaskSpec(env),), n, seed=7)
     rows = run(plan, out, episodes(limits), executor, settings=limits.record(), **options)
     return in_order(rows)
 

@@ -17,12 +17,16 @@ import numpy as np
 from filelock import FileLock
 
 from icd_envs.api import Episode
-from icd_envs.errors import InvalidActionError, SceneGenerationError
+from icd_envs.errors import InvalidActionError, RenderingUnavailableError, SceneGenerationError
 
 ENV = "tests.bench.toy:Toy-v0"
 UNSOLVABLE = "tests.bench.toy:ToyUnsolvable-v0"
 CRASHING = "tests.bench.toy:ToyCrashing-v0"
 NAN_RATE = "tests.bench.toy:ToyNanRate-v0"
+PICTURELESS = "tests.bench.toy:ToyPictureless-v0"
+BLIND = "tests.bench.toy:ToyBlind-v0"
+HANGING_PICTURES = "tests.bench.toy:ToyHangingPictures-v0"
+CRASHING_PICTURES = "tests.bench.toy:ToyCrashingPictures-v0"
 MAX_STEPS = 12
 LOCKS = "ICD_TOY_LOCKS"
 
@@ -30,13 +34,18 @@ LOCKS = "ICD_TOY_LOCKS"
 class ToyEnv(gym.Env[dict[str, np.ndarray], np.ndarray]):
     """Reach the goal within 0.2; half complete when half the way is done."""
 
-    def __init__(self, split: str = "train", fault: str = "") -> None:
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 20}  # noqa: RUF012
+
+    def __init__(
+        self, split: str = "train", fault: str = "", render_mode: str | None = None
+    ) -> None:
         """Make one with or without a fault."""
         assert split == "test", "the benchmark must run on test scenes"
         box = gym.spaces.Box(-10.0, 10.0, (3,), np.float64)
         self.observation_space = gym.spaces.Dict({"observation": box, "desired_goal": box})
         self.action_space = gym.spaces.Box(-1.0, 1.0, (3,), np.float64)
         self._fault = fault
+        self.render_mode = render_mode
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -59,6 +68,15 @@ class ToyEnv(gym.Env[dict[str, np.ndarray], np.ndarray]):
         self._position = self._position + 0.5 * np.clip(action, -1.0, 1.0)
         info = self._info()
         return self._observation(), -1.0, info["is_success"], False, info
+
+    def render(self) -> np.ndarray:
+        if self._fault == "blind":
+            raise RenderingUnavailableError("OpenGL did not start")
+        if self._fault == "hanging pictures":
+            time.sleep(60.0)
+        if self._fault == "crashing pictures":
+            os.kill(os.getpid(), signal.SIGSEGV)
+        return np.full((32, 48, 3), 255 * bool(self._position.any()), np.uint8)
 
     def episode(self, simulator: bool, oracle: bool, threads: int) -> Episode:
         return Episode(
@@ -83,12 +101,28 @@ class ToyEnv(gym.Env[dict[str, np.ndarray], np.ndarray]):
         return {"is_success": done, "complete_rate": rate, "diverged": False}
 
 
+class PicturelessToyEnv(ToyEnv):
+    """Has never heard of pictures."""
+
+    metadata = {"render_modes": []}  # noqa: RUF012
+
+    def __init__(self, split: str = "train", fault: str = "") -> None:
+        """Make one."""
+        super().__init__(split, fault)
+
+
 def _register() -> None:
     ids = {ENV: "", UNSOLVABLE: "unsolvable", CRASHING: "crashing", NAN_RATE: "nan rate"}
+    ids |= {
+        PICTURELESS: "pictureless",
+        BLIND: "blind",
+        HANGING_PICTURES: "hanging pictures",
+        CRASHING_PICTURES: "crashing pictures",
+    }
     for env_id, fault in ids.items():
         gym.register(
             env_id.partition(":")[2],
-            "tests.bench.toy:ToyEnv",
+            f"tests.bench.toy:{'PicturelessToyEnv' if fault == 'pictureless' else 'ToyEnv'}",
             max_episode_steps=MAX_STEPS,
             kwargs={"fault": fault},
         )

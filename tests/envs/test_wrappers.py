@@ -168,6 +168,28 @@ def test_without_opengl_there_are_no_videos_but_episodes(tmp_path: Path) -> None
     assert list(tmp_path.iterdir()) == []
 
 
+def test_video_that_breaks_in_the_middle_leaves_no_file_and_the_episode_alone(
+    tmp_path: Path,
+) -> None:
+    class Failing(Clouds):
+        left = 2
+
+        def render(self) -> np.ndarray:
+            self.left -= 1
+            if self.left < 0:
+                raise OSError("No space left on device")
+            return super().render()
+
+    env = RecordEpisodes(Failing(np.zeros((2, 3))), str(tmp_path))
+    env.reset()
+    env.step(np.zeros(3))
+    with pytest.warns(UserWarning, match="no videos: No space left"):
+        env.step(np.zeros(3))
+    assert env.step(np.zeros(3))[1] == 0.0
+    env.close()
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_video_needs_pictures(tmp_path: Path) -> None:
     with pytest.raises(InvalidOptionError, match="render_mode='rgb_array'"):
         RecordEpisodes(gym.make(ENV_IDS[0]), str(tmp_path))

@@ -108,8 +108,10 @@ def test_workers_do_not_outlive_a_killed_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv(toy.LOCKS, str(tmp_path / "locks"))
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
     process = start(tmp_path / "out", "--workers", "2")
     wait_for_rows(tmp_path / "out", EPISODES + 1, process)  # of Raiser, then one of Slow
     process.kill()
     process.wait()
     assert wait_until_dead(tmp_path / "locks", seconds=5.0) >= 1
+    assert not list(tmp_path.glob("icd-bench-*"))
