@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-import os
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 from benchmarks.plan import Job
 from benchmarks.rows import Row
-from benchmarks.worker import MATH_THREADS
+from benchmarks.worker import MATH_THREADS, maths_threads
 from icd_envs.errors import InvalidOptionError
 
 RENDERING: Final = "rendering"
@@ -73,5 +72,5 @@ class Settings:
             "act_seconds": self.act_seconds,
             "episode_seconds": self.episode_seconds,
             "device": self.device,
-            MATH_THREADS: os.environ.get(MATH_THREADS, "1"),
+            MATH_THREADS: maths_threads(),
         }

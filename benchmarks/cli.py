@@ -32,7 +32,17 @@ main = typer.Typer(
 )
 
 Workers = Annotated[
-    int, typer.Option(min=0, help="Processes at a time; 0: all in this one, for debuggers.")
+    int | None,
+    typer.Option(
+        min=0,
+        help="Processes at a time; 0: all in this one, for debuggers.",
+        show_default="1; on a cluster, as many as it has cores for",
+    ),
+]
+Executor = Annotated[str, typer.Option(help="local, or ray.")]
+Address = Annotated[
+    str | None,
+    typer.Option(help="Ray cluster, host:port or auto.", show_default="RAY_ADDRESS, or a new one"),
 ]
 Threads = Annotated[
     int | None,
@@ -86,8 +96,10 @@ def run(
     ] = 3600.0,
     device: Device = "cpu",
     trust_pickle: TrustPickle = False,
-    workers: Workers = 1,
+    workers: Workers = None,
     threads: Threads = None,
+    executor: Executor = "local",
+    address: Address = None,
     out: Annotated[
         Path | None, typer.Option(help="Results folder.", show_default="runs/<UTC time>")
     ] = None,
@@ -119,11 +131,11 @@ def run(
         plan = plan_suite(chosen, agent, envs=env or (), episodes=episodes, seed=seed)
         if resume and out is None:
             raise InvalidOptionError("--resume needs --out: name the folder to go on with")
-        executor = make_executor("local", workers=workers, threads=threads, address=None)
-        settings = Settings(executor.threads, act_seconds, episode_seconds, device, trust_pickle)
+        crew = make_executor(executor, workers=workers, threads=threads, address=address)
+        settings = Settings(crew.threads, act_seconds, episode_seconds, device, trust_pickle)
         filmed: Choice | None = videos.value if videos else None
         with interruptible() as interrupt, redirect_stdout(sys.stderr):
-            record = look_first(plan, executor, settings, filmed)
+            record = look_first(plan, crew, settings, filmed)
         _exit_if(interrupt)
         folder = out or results.new_folder(Path("runs"))
         typer.echo(f"results: {folder}", err=True)
@@ -132,7 +144,7 @@ def run(
                 plan,
                 folder,
                 runner.episodes(settings),
-                executor,
+                crew,
                 settings=record,
                 videos=filmed,
                 resume=resume,
@@ -209,7 +221,7 @@ def report(
 def gates(
     env: Annotated[str, typer.Option(help="Environment id.")],
     only: Annotated[list[str] | None, typer.Option(help="Gate; repeatable.")] = None,
-    workers: Workers = 1,
+    workers: Workers = None,
     threads: Threads = None,
     out: Annotated[
         Path | None, typer.Option(help="Results folder.", show_default="runs/gates-<env>")
@@ -246,7 +258,9 @@ def collect(
     env: Annotated[str, typer.Option(help="Environment id.")],
     episodes: Annotated[int, typer.Option(min=1, help="Episodes in all.")],
     out: Annotated[Path, typer.Option(help="Folder of the demonstrations.")],
-    workers: Workers = 1,
+    workers: Workers = None,
+    executor: Executor = "local",
+    address: Address = None,
     seed: Annotated[int, typer.Option(min=0, help="Base seed of all episodes.")] = 0,
     steps: Annotated[
         int | None,
@@ -269,14 +283,14 @@ def collect(
         from benchmarks.interrupts import interruptible
         from benchmarks.tables import print_values
 
-        executor = make_executor("local", workers=workers, threads=1, address=None)
+        crew = make_executor(executor, workers=workers, threads=1, address=address)
         with interruptible() as interrupt, redirect_stdout(sys.stderr):
             values = collect_command.collect_and_export(
                 collect_command.make_header(
                     env, episodes, seed=seed, steps=steps, options=option or ()
                 ),
                 out,
-                executor,
+                crew,
                 resume=resume,
                 minari=minari,
                 watch=progress.watching,

@@ -13,19 +13,17 @@ from typing import Final, Generic, NamedTuple, Protocol, TypeVar
 from benchmarks.errors import WorkerStartError
 from benchmarks.provenance import cpu_count
 from benchmarks.pulse import Pulse
-from benchmarks.worker import Loss, Worker
+from benchmarks.worker import TICK, Loss, Worker, maths_threads
 from icd_envs.errors import InvalidOptionError, unknown_name
 
 J = TypeVar("J")
 R = TypeVar("R")
 
-EXECUTORS: Final = ("local",)
+EXECUTORS: Final = ("local", "ray")
 
-_TICK: Final = 0.1
-"""[s] between looks at the clock."""
 _STRIDE: Final = 8
 """Jobs of one group that a worker may do before those of the others; see ``_next``."""
-_STARTS: Final = 3
+STARTS: Final = 3
 """Workers that may die before their first job, one after the other."""
 
 
@@ -136,7 +134,7 @@ class _Crew(Generic[J, R]):
     def results(self) -> Iterator[R]:
         while self._waiting or self._doing:
             self._hand_out()
-            wait([worker.connection for worker in self._doing], timeout=_TICK)
+            wait([worker.connection for worker in self._doing], timeout=TICK)
             for worker in list(self._doing):
                 outcome = worker.outcome()
                 if outcome is None:
@@ -171,8 +169,9 @@ class _Crew(Generic[J, R]):
                 worker.leave()
         while self._waiting and len(self._workers) < self._size:
             group = self._work.group(self._waiting[0])
-            self._workers.append(Worker(self._work.do, self._work.seconds, group))
-            self._give(self._workers[-1], group)
+            fresh = Worker[J, R](self._work.do, self._work.seconds, group, maths_threads())
+            self._workers.append(fresh)
+            self._give(fresh, group)
 
     def _give(self, worker: Worker[J, R], group: str) -> bool:
         """Give a worker a job of its group, if one of the next jobs is of that group.
@@ -194,29 +193,36 @@ class _Crew(Generic[J, R]):
             self._false_starts = 0
             return self._work.lost(job, loss)
         self._false_starts += 1
-        if self._false_starts == _STARTS:
+        if self._false_starts == STARTS:
             raise WorkerStartError(
-                f"{_STARTS} worker processes ended before their first job, the last because: "
+                f"{STARTS} worker processes ended before their first job, the last because: "
                 f"{loss.reason}: see what they printed; a script of yours that starts a run needs "
                 "`if __name__ == '__main__':`"
             )
         return Retry(job)
 
 
-def make_executor(name: str, *, workers: int, threads: int | None, address: str | None) -> Executor:
+def make_executor(
+    name: str, *, workers: int | None, threads: int | None, address: str | None
+) -> Executor:
     """Make the executor of that name.
 
     Args:
-        name: "local".
-        workers: processes at a time; 0 does everything in this one.
-        threads: threads that one job may use; None shares the cores.
-        address: of the cluster.
+        name: "local" or "ray".
+        workers: jobs at a time; 0 does everything in this process; None is 1 here, and on a
+            cluster as many as fit.
+        threads: threads that one job may use; None shares the cores, and is 1 on a cluster.
+        address: of the cluster; None is a new one on this machine.
 
     Raises:
-        InvalidOptionError: unknown name, or an option that does not fit it.
+        InvalidOptionError: unknown name, an option that does not fit it, or Ray is missing.
     """
     if name not in EXECUTORS:
         raise InvalidOptionError(unknown_name("executor", name, EXECUTORS))
+    if name == "ray":
+        from benchmarks.ray_executor import Ray
+
+        return Ray(address, workers, threads or 1)
     if address is not None:
         raise InvalidOptionError(f"address={address!r} needs a cluster: --executor ray")
-    return Local(workers, threads) if workers else InProcess()
+    return InProcess() if workers == 0 else Local(workers or 1, threads)

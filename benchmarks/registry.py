@@ -194,7 +194,7 @@ def _sb3_agent(path: Path, *, trust_pickle: bool) -> AgentFactory:
             "whoever made it, say so with --trust-pickle"
         )
     if importlib.util.find_spec("stable_baselines3") is None:
-        raise InvalidOptionError("it needs Stable-Baselines3: pip install stable-baselines3")
+        raise InvalidOptionError("it needs pip install 'implicit-contact-diffuser[rl]'")
     from benchmarks.sb3_agent import SB3Agent
 
     return partial(SB3Agent, path)

@@ -13,7 +13,7 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from multiprocessing.connection import Connection
+from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from time import monotonic
 from typing import Final, Generic, NamedTuple, TypeVar
@@ -24,13 +24,20 @@ J = TypeVar("J")
 R = TypeVar("R")
 
 MATH_THREADS: Final = "OMP_NUM_THREADS"
-"""OpenBLAS, MKL, OpenMP and PyTorch obey it. One thread unless the user says otherwise: results
-must not depend on the number of cores, and workers must not compete for them."""
+"""OpenBLAS, MKL, OpenMP and PyTorch obey it. Results must not depend on the number of cores, and
+workers must not compete for them."""
 
+TICK: Final = 0.1
+"""[s] between looks at the clock."""
 _START_SECONDS: Final = 300.0
 """[s] that a process has to start; the time of a job counts from its beginning."""
 _GRACE: Final = 2.0
 """[s] that a worker has to leave by itself."""
+
+
+def maths_threads() -> str:
+    """Threads for linear algebra: one, unless the user of this process says otherwise."""
+    return os.environ.get(MATH_THREADS, "1")
 
 
 class Done(NamedTuple, Generic[R]):
@@ -67,13 +74,16 @@ class Loss:
 class Worker(Generic[J, R]):
     """A process of its own, with its own process group and folder for temporary files."""
 
-    def __init__(self, do: Callable[[J, Pulse], R], job_seconds: float, group: str) -> None:
+    def __init__(
+        self, do: Callable[[J, Pulse], R], job_seconds: float, group: str, maths: str
+    ) -> None:
         """Start it.
 
         Args:
             do: picklable function of one job.
             job_seconds: [s] that one job may take.
             group: what its jobs have in common.
+            maths: threads for linear algebra, from ``maths_threads``.
         """
         context = multiprocessing.get_context("spawn")
         self.group = group
@@ -84,7 +94,7 @@ class Worker(Generic[J, R]):
         self._folder = Path(tempfile.gettempdir(), f"icd-bench-{secrets.token_hex(8)}")
         self.connection, theirs = context.Pipe()
         self._process = context.Process(target=_serve, args=(theirs, do, self._pulse, self._folder))
-        with _environment(MATH_THREADS, "1"):
+        with _environment(MATH_THREADS, maths):
             self._process.start()
         theirs.close()
 
@@ -93,6 +103,17 @@ class Worker(Generic[J, R]):
         self._given, self._began = monotonic(), None
         with suppress(OSError):  # it died idle: ``outcome`` will say so
             self.connection.send(job)
+
+    def result(self, job: J) -> Done[R] | Loss:
+        """Do a job and wait for what becomes of it.
+
+        Raises:
+            Exception: what the job raised.
+        """
+        self.give(job)
+        while (outcome := self.outcome()) is None:
+            wait([self.connection], TICK)
+        return outcome
 
     def outcome(self) -> Done[R] | Loss | None:
         """What became of the job, or None while it is being done.
@@ -163,20 +184,20 @@ class Worker(Generic[J, R]):
 
 @contextmanager
 def _environment(name: str, value: str) -> Iterator[None]:
-    """Set a variable for processes that are started now, unless the user has set it."""
-    if name in os.environ:
-        yield
-        return
+    """Set a variable for processes that are started now."""
+    before = os.environ.get(name)
     os.environ[name] = value
     try:
         yield
     finally:
-        del os.environ[name]
+        if before is None:
+            del os.environ[name]
+        else:
+            os.environ[name] = before
 
 
 def _serve(connection: Connection, do: Callable[[J, Pulse], R], pulse: Pulse, folder: Path) -> None:
     """What the process does: jobs, until the pipe is closed."""
-    folder.mkdir(0o700)
     tempfile.tempdir = str(folder)
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_IGN)  # they are for the supervisor, which kills
@@ -190,10 +211,13 @@ def _serve(connection: Connection, do: Callable[[J, Pulse], R], pulse: Pulse, fo
         while True:
             job = connection.recv()
             pulse.doing = "beginning"
+            folder.mkdir(0o700, exist_ok=True)
             try:
                 answer: tuple[bool, object] = (True, do(job, pulse))
             except Exception as error:
                 answer = (False, error)
+            with suppress(OSError):
+                folder.rmdir()  # unless there is something in it: an idle worker may be killed
             pulse.rest()
             _send(connection, answer)
     shutil.rmtree(folder, ignore_errors=True)
