@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks.registry import AGENTS, make_agent
+from benchmarks.registry import AGENTS, Offer, make_agent
 from icd_agent.tracking import SubgoalTracker
 from icd_envs import ENV_IDS
 from icd_envs.api import Agent, Episode, FloatArray, SimState
@@ -34,9 +34,9 @@ def start(env: ContactEnv[Any]) -> SimState:
 
 
 @pytest.fixture(params=AGENTS)
-def agent(request: pytest.FixtureRequest) -> Agent:
+def agent(request: pytest.FixtureRequest, env: ContactEnv[Any]) -> Agent:
     """Every agent, planners with few samples."""
-    agent = make_agent(request.param)
+    agent = make_agent(request.param, Offer(env.task.env_id))
     if isinstance(agent, SubgoalTracker):
         agent.mppi_config = dataclasses.replace(agent.mppi_config, samples=5, horizon=3)
     return agent

@@ -72,7 +72,7 @@ def use(env: ContactEnv[Any], seed: int) -> list[weakref.ref[Any]]:
     if seed % DRAWN_EVERY == 0:
         with contextlib.suppress(RenderingUnavailableError):
             env.render()
-    parts = [env._problem, plant_of(env), *env._simulators, env._renderer]
+    parts = [env._problem, plant_of(env), *env._simulators, env._screen._renderer]
     return [weakref.ref(part) for part in parts if part is not None]
 
 
