@@ -23,7 +23,7 @@ class InvalidOptionError(IcdError, ValueError):
 
 
 class InvalidObservationError(IcdError, ValueError):
-    """An observation that a wrapper cannot use: wrong shape, NaN or infinite values."""
+    """Clouds that cannot be wrapped or rewarded: wrong shape, NaN or infinite values."""
 
 
 class EpisodeStateError(IcdError, RuntimeError):

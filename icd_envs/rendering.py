@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 
     from icd_envs.drawing import Overlay
 
-LIBRARIES: Final = {"egl": "EGL", "osmesa": "OSMesa"}
+LIBRARIES: Final = {"egl": (("EGL",), ("OpenGL", "GL", "GLESv2")), "osmesa": (("OSMesa",),)}
+"""What MuJoCo's backends load through PyOpenGL: one library of every group."""
 DISABLED: Final = ("disable", "disabled", "off", "false", "0")
 AUTOMATIC: Final = ("", "enable", "enabled", "on", "true", "1")
 VISIBLE_GROUPS: Final = (1, 1, 1, 1, 0, 0)
@@ -35,8 +36,9 @@ FIX: Final = (
 def choose_backend() -> str:
     """Set ``MUJOCO_GL`` to a backend that works here; to be called before MuJoCo is imported.
 
-    A valid value set by the user stays. Otherwise, without a display, EGL comes first, then
-    OSMesa; with neither, rendering is disabled and everything else works.
+    A value set by the user stays if it works. Otherwise, without a display, EGL comes first, then
+    OSMesa; with neither, rendering is disabled and everything else works. MuJoCo itself would not
+    even import with a backend whose libraries are missing or broken.
 
     Returns:
         the value ``MUJOCO_GL`` now has.
@@ -44,7 +46,7 @@ def choose_backend() -> str:
     asked = os.environ.get("MUJOCO_GL", "").strip().lower()
     if asked in (*DISABLED, "glfw") or "mujoco" in sys.modules:
         return asked
-    if asked in LIBRARIES and ctypes.util.find_library(LIBRARIES[asked]):
+    if asked in LIBRARIES and _works(asked):
         return asked
     chosen = "glfw" if has_display() else next(_headless_backends(), "disabled")
     if asked not in AUTOMATIC:
@@ -63,7 +65,22 @@ def has_display() -> bool:
 
 
 def _headless_backends() -> Iterator[str]:
-    return (name for name, library in LIBRARIES.items() if ctypes.util.find_library(library))
+    return (name for name in LIBRARIES if _works(name))
+
+
+def _works(backend: str) -> bool:
+    """Whether the libraries load, and PyOpenGL was not told to use others."""
+    platform = os.environ.get("PYOPENGL_PLATFORM", "").lower()
+    groups = LIBRARIES[backend]
+    return platform in ("", backend) and all(any(map(_loads, group)) for group in groups)
+
+
+def _loads(library: str) -> bool:
+    name = ctypes.util.find_library(library)
+    try:
+        return name is not None and ctypes.CDLL(name) is not None
+    except OSError:
+        return False
 
 
 class SceneRenderer:

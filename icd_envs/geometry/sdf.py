@@ -41,7 +41,7 @@ class BoxUnion:
             (M,) [m].
         """
         excess = np.abs(self._local(points)) - self._half
-        return np.asarray(_distance(excess).min(axis=-1), dtype=np.float64)
+        return np.asarray(_distance(excess).min(axis=0), dtype=np.float64)
 
     def gradient(self, points: FloatArray) -> Float64Array:
         """Direction in which the signed distance grows, that of the nearest or deepest box.
@@ -53,7 +53,7 @@ class BoxUnion:
             (M, 3) unit vectors; any one of them where the distance has a kink.
         """
         local = self._local(points)
-        box = _distance(np.abs(local) - self._half).argmin(axis=-1)
+        box = _distance(np.abs(local) - self._half).argmin(axis=0)
         local = local[np.arange(len(points)), box]
         excess = np.abs(local) - self._half[box]
         away = np.maximum(excess, 0.0)
@@ -70,6 +70,9 @@ class BoxUnion:
 
 
 def _distance(excess: FloatArray) -> FloatArray:
-    """(..., 3) [m] coordinates beyond a box's half extents -> (...) signed distance."""
-    outside = np.linalg.norm(np.maximum(excess, 0.0), axis=-1)
-    return np.asarray(outside + np.minimum(excess.max(axis=-1), 0.0))
+    """(M, B, 3) [m] coordinates beyond boxes' half extents -> (B, M) [m] signed distances."""
+    # Axis by axis: NumPy takes four times as long to reduce an axis of three.
+    x, y, z = np.ascontiguousarray(excess.T)
+    inside = np.minimum(np.maximum(np.maximum(x, y), z), 0.0)
+    x, y, z = (np.maximum(axis, 0.0) for axis in (x, y, z))
+    return np.asarray(np.sqrt(x * x + y * y + z * z) + inside)

@@ -46,21 +46,25 @@ class PointCamera:
             points: (N, 3) [m], world frame: on surfaces, or inside the object.
 
         Returns:
-            (N,) booleans.
+            (N,) booleans; False where a point is not finite.
         """
         offset = np.asarray(points, dtype=np.float64) - self._position
+        # The camera's own place is never in the picture.
+        offset = np.where(np.isfinite(offset).all(axis=1, keepdims=True), offset, 0.0)
+        seen = self._in_picture(offset)
+        offset = offset[seen]
         distance = np.linalg.norm(offset, axis=1)
-        hit = np.full(len(points), -1, dtype=np.int32)
-        reach = np.full(len(points), -1.0)
+        hit = np.full(len(offset), -1, dtype=np.int32)
+        reach = np.full(len(offset), -1.0)
         mujoco.mj_multiRay(
             self._model, data, self._position, (offset / distance[:, None]).ravel(),
-            VISIBLE_GROUPS, True, -1, hit, reach, None, len(points), mujoco.mjMAXVAL,
+            VISIBLE_GROUPS, True, -1, hit, reach, None, len(offset), mujoco.mjMAXVAL,
         )  # fmt: skip
         before = np.where(hit < 0, 0.0, distance - reach)
-        hidden = before > np.where(self._own[hit], SKIN, SURFACE)
-        return np.asarray(self._in_picture(offset) & ~hidden)
+        seen[seen] = before <= np.where(self._own[hit], SKIN, SURFACE)
+        return seen
 
     def _in_picture(self, offset: FloatArray) -> BoolArray:
         x, y, backward = (offset @ self._axes).T
         limit = -backward * self._half_height
-        return np.asarray((np.abs(y) <= limit) & (np.abs(x) <= ASPECT * limit))
+        return np.asarray((limit > 0) & (np.abs(y) <= limit) & (np.abs(x) <= ASPECT * limit))

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Final
+from collections.abc import Mapping, Sequence
+from typing import Any, Final
 
 import numpy as np
 
-from icd_envs.api import Float64Array
+from icd_envs.api import Float64Array, FloatArray
 from icd_envs.errors import (
     InvalidActionError,
+    InvalidObservationError,
     InvalidOptionError,
     InvalidSeedError,
     unknown_name,
@@ -41,6 +43,61 @@ def check_action(action: object) -> Float64Array:
     if not np.all(np.isfinite(array)):
         raise InvalidActionError(f"action is {array.tolist()}, not finite: {fix}")
     return array.astype(np.float64)
+
+
+def check_goals(achieved: object, desired: object) -> tuple[FloatArray, FloatArray]:
+    """Achieved and desired clouds as arrays of one shape, (N, 3) or (B, N, 3).
+
+    Raises:
+        InvalidObservationError: if they are not such clouds of finite numbers.
+    """
+    one, other = _check_cloud("achieved_goal", achieved), _check_cloud("desired_goal", desired)
+    if one.shape != other.shape:
+        raise InvalidObservationError(
+            f"achieved_goal has shape {one.shape}, desired_goal {other.shape}: pass as many "
+            "clouds of as many points"
+        )
+    return one, other
+
+
+def _check_cloud(name: str, value: object) -> FloatArray:
+    expected = "expected (N, 3) or (B, N, 3) finite numbers: pass what was observed"
+    try:
+        cloud = np.asarray(value)
+    except (TypeError, ValueError, RuntimeError) as error:
+        raise InvalidObservationError(f"{name} is no array ({error}), {expected}") from error
+    is_cloud = cloud.ndim in (2, 3) and cloud.shape[-1] == 3 and cloud.shape[-2] > 0
+    if cloud.dtype.kind not in "fiu" or not is_cloud:
+        raise InvalidObservationError(
+            f"{name} has shape {cloud.shape} and dtype {cloud.dtype}, {expected}"
+        )
+    if not np.all(np.isfinite(cloud)):
+        raise InvalidObservationError(f"{name} holds NaN or infinite values, {expected}")
+    return cloud
+
+
+def stack_parameters(
+    infos: Sequence[Mapping[str, Any]], names: Sequence[str], count: int
+) -> dict[str, Float64Array]:
+    """What a reward needs to know of the scenes, (B, ...) for each name.
+
+    Args:
+        infos: of each item.
+        names: keys of every info.
+        count: B.
+
+    Raises:
+        InvalidObservationError: if there are not B infos, or one lacks a name.
+    """
+    if len(infos) != count:
+        raise InvalidObservationError(f"{len(infos)} infos for {count} clouds: pass one for each")
+    for info in infos:
+        if not isinstance(info, Mapping) or not set(names) <= info.keys():
+            raise InvalidObservationError(
+                f"info is {info!r}, it needs the keys {', '.join(names)}: pass the info that step "
+                "returned (Stable-Baselines3: HerReplayBuffer(..., copy_info_dict=True))"
+            )
+    return {name: np.array([info[name] for info in infos]) for name in names}
 
 
 def check_seed(seed: object) -> int:

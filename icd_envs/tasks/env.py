@@ -36,7 +36,13 @@ from icd_envs.physics.simulator import RolloutSimulator
 from icd_envs.scenes.gripper import gripper_spheres
 from icd_envs.screen import CONTROL_PERIOD, RENDER_MODES, Screen
 from icd_envs.tasks.base import HOLD_STEPS, SceneT, Task
-from icd_envs.tasks.checks import check_action, check_choice, check_seed
+from icd_envs.tasks.checks import (
+    check_action,
+    check_choice,
+    check_goals,
+    check_seed,
+    stack_parameters,
+)
 from icd_envs.tasks.partial import look, mask_spaces
 from icd_envs.tasks.problem import (
     SPLITS,
@@ -218,15 +224,20 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
 
         Returns:
             a float, or (B,) float64.
+
+        Raises:
+            InvalidObservationError: on clouds of another shape, NaN or infinite values, or an
+                info that does not say where the clouds are.
         """
-        achieved = np.asarray(achieved_goal)
+        achieved, desired = check_goals(achieved_goal, desired_goal)
         single = achieved.ndim == 2
-        desired = np.asarray(desired_goal)
-        infos = [info] if isinstance(info, Mapping) else list(info)
         if single:
             achieved, desired = achieved[None], desired[None]
+        if len(achieved) == 0:
+            return np.zeros(0)
         names = [p + name for name in self.task.parameter_names for p in ("", "goal_")]
-        parameters = {name: np.stack([item[name] for item in infos]) for name in names}
+        infos = [info] if isinstance(info, Mapping) else list(info)
+        parameters = stack_parameters(infos, names, len(achieved))
         matched = self.task.matches(achieved, desired, parameters)
         reward = self._reward(matched, achieved, desired)
         return float(reward[0]) if single else reward

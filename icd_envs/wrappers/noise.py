@@ -11,7 +11,7 @@ import numpy as np
 from icd_envs.api import Float32Array, Float64Array, FloatArray
 from icd_envs.errors import InvalidOptionError
 from icd_envs.tasks.checks import check_action
-from icd_envs.wrappers.checks import box_parts
+from icd_envs.wrappers.checks import box_parts, check_part
 
 ACTION_STREAM: Final = 2
 OBSERVATION_STREAM: Final = 3
@@ -38,13 +38,15 @@ class NoisyActions(gym.Wrapper[Any, FloatArray, Any, FloatArray], gym.utils.Reco
         gym.utils.RecordConstructorArgs.__init__(self, std=std)
         super().__init__(env)
         self._std = _check_std(std)
+        self._rng = _generator(None, ACTION_STREAM)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Any, dict[str, Any]]:
-        """Begin an episode and its noise."""
+        """Begin an episode; without a seed its noise goes on where the last one's ended."""
         result = super().reset(seed=seed, options=options)
-        self._rng = _generator(seed, ACTION_STREAM)
+        if seed is not None:
+            self._rng = _generator(seed, ACTION_STREAM)
         return result
 
     def step(self, action: FloatArray) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
@@ -79,33 +81,49 @@ class NoisyObservations(
         gym.utils.RecordConstructorArgs.__init__(self, std=std)
         super().__init__(env)
         self._std = _check_std(std)
+        self._rng = _generator(None, OBSERVATION_STREAM)
         self._spaces = box_parts(env, type(self).__name__)
+        for name in ("observation", *SEEN_CLOUDS):
+            if name not in self._spaces:
+                raise InvalidOptionError(
+                    f"NoisyObservations needs an environment that observes {name!r}, this one has "
+                    f"{', '.join(map(repr, self._spaces))}"
+                )
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Float32Array], dict[str, Any]]:
-        """Begin an episode and its noise."""
+        """Begin an episode; without a seed its noise goes on where the last one's ended.
+
+        Raises:
+            InvalidObservationError: on a wrong shape, NaN or infinite values.
+        """
         observation, info = super().reset(seed=seed, options=options)
-        self._rng = _generator(seed, OBSERVATION_STREAM)
+        if seed is not None:
+            self._rng = _generator(seed, OBSERVATION_STREAM)
         return self._noisy(observation), info
 
     def step(
         self, action: FloatArray
     ) -> tuple[dict[str, Float32Array], Any, bool, bool, dict[str, Any]]:
-        """Show almost what is there."""
+        """Show almost what is there.
+
+        Raises:
+            InvalidObservationError: on a wrong shape, NaN or infinite values.
+        """
         observation, reward, terminated, truncated, info = super().step(action)
         return self._noisy(observation), reward, terminated, truncated, info
 
     def _noisy(self, observation: dict[str, Float32Array]) -> dict[str, Float32Array]:
-        shown = dict(observation)
-        motion = observation["observation"].astype(np.float64)
+        shown = {n: check_part(n, observation[n], s.shape) for n, s in self._spaces.items()}
+        motion = shown["observation"].astype(np.float64)
         motion[:3] += self._rng.normal(0.0, self._std, 3)
         shown["observation"] = self._within("observation", motion)
         for name in SEEN_CLOUDS:
-            noise = self._rng.normal(0.0, self._std, observation[name].shape)
-            if f"{name}_mask" in observation:
-                noise *= observation[f"{name}_mask"][:, None]
-            shown[name] = self._within(name, observation[name] + noise)
+            noise = self._rng.normal(0.0, self._std, shown[name].shape)
+            if f"{name}_mask" in shown:
+                noise *= shown[f"{name}_mask"][:, None]
+            shown[name] = self._within(name, shown[name] + noise)
         return shown
 
     def _within(self, name: str, value: Float64Array) -> Float32Array:

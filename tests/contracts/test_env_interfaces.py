@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import pickle
+import subprocess
+import sys
 import warnings
 from dataclasses import replace
 from typing import Any
@@ -11,10 +13,12 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
+from icd_envs import ENV_IDS
 from icd_envs.errors import InvalidOptionError
 from icd_envs.tasks.env import ContactEnv
 from tests.envs.making import bare, digest, make, play, random_actions, remake
 
+VECTOR = random_actions(12, 3)
 INFO = {"is_success": bool, "complete_rate": float, "diverged": bool, "action_clipped": bool}
 
 
@@ -117,11 +121,10 @@ def test_spec_tells_the_budget_and_a_shorter_one_can_be_asked_for(env: ContactEn
 
 
 def test_restored_state_brings_the_steps_taken_with_it(env: ContactEnv[Any]) -> None:
-    env.reset(seed=0)
-    late = replace(env.snapshot(), steps=env.task.max_steps - 2)
-    env.restore(late)
-    assert [env.step(np.zeros(3))[3] for _ in range(2)] == [False, True]
-    env.reset(seed=0)
+    state = env.snapshot()
+    env.restore(replace(state, steps=env.task.max_steps - 2))
+    assert [env.step(np.zeros(3))[3] for _ in range(3)] == [False, True, True]
+    env.restore(state)
 
 
 def test_gymnasium_checker_finds_nothing(env: ContactEnv[Any]) -> None:
@@ -197,40 +200,53 @@ def test_misspelt_id_is_answered_with_the_right_one(env: ContactEnv[Any]) -> Non
         gym.make(env.task.env_id.replace("v0", "v99"))
 
 
+def test_ids_are_known_once_the_package_is_imported_or_named() -> None:
+    code = """
+import gymnasium as gym
+try:
+    gym.make("ICDCableRouting-v0")
+except gym.error.NameNotFound:
+    print("unknown")
+print(gym.make("icd_envs:ICDCableRouting-v0").spec.id)
+from icd_envs import ENV_IDS
+print(*(gym.make(env_id).spec.id for env_id in ENV_IDS))
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["unknown", "ICDCableRouting-v0", *ENV_IDS]
+
+
 def test_spec_survives_json_and_pickle(env: ContactEnv[Any]) -> None:
-    wrapped = remake(env)
-    expected = digest([wrapped.reset(seed=1)[0]])
-    spec = wrapped.spec
+    spec = env.spec
     assert spec is not None
-    for copied in (gym.envs.registration.EnvSpec.from_json(spec.to_json()), reload(spec)):
-        again = gym.make(copied)
-        assert again.spec == spec
-        assert digest([again.reset(seed=1)[0]]) == expected
-        again.close()
-    wrapped.close()
+    copied = gym.envs.registration.EnvSpec.from_json(spec.to_json())
+    assert copied == spec == pickle.loads(pickle.dumps(spec))
+    again = gym.make(copied)
+    assert again.spec == spec
+    assert digest([again.reset(seed=1)[0]]) == digest([env.reset(seed=1)[0]])
+    again.close()
+
+
+@pytest.fixture(scope="module")
+def alone(env: ContactEnv[Any]) -> list[str]:
+    """What each seed shows with the fixed actions of ``VECTOR``."""
+    seeds = range(1, 3)
+    return [digest([env.reset(seed=seed)[0], *play(env, VECTOR)]) for seed in seeds]
 
 
 @pytest.mark.parametrize(
-    ("mode", "settings"), [("sync", {}), ("async", {"context": "spawn"}), (None, {})]
+    ("mode", "count", "settings"),
+    # Processes of their own take a second each to start.
+    [("sync", 2, {}), ("async", 1, {"context": "spawn"})],
 )
 def test_vector_env_holds_the_same_environments(
-    env: ContactEnv[Any], mode: str | None, settings: dict[str, Any]
+    env: ContactEnv[Any], alone: list[str], mode: str, count: int, settings: dict[str, Any]
 ) -> None:
     assert env.spec is not None
     vector = gym.make_vec(
-        env.spec.id, 2, vectorization_mode=mode, vector_kwargs=settings, **env.spec.kwargs
+        env.spec.id, count, vectorization_mode=mode, vector_kwargs=settings, **env.spec.kwargs
     )
-    actions = random_actions(12, 3)
-    alone = []
-    for seed in (1, 2):
-        alone.append(digest([env.reset(seed=seed)[0], *play(env, actions)]))
-    batches = [vector.reset(seed=[1, 2])[0]]
-    batches += [vector.step(np.stack([action, action]))[0] for action in actions]
+    batches = [vector.reset(seed=1)[0]]
+    batches += [vector.step(np.repeat(action[None], count, axis=0))[0] for action in VECTOR]
     vector.close()
-    each: Any = [[{n: v[i] for n, v in batch.items()} for batch in batches] for i in range(2)]
-    assert [digest(observations) for observations in each] == alone
-
-
-def reload(spec: gym.envs.registration.EnvSpec) -> gym.envs.registration.EnvSpec:
-    """Through a pickle and back."""
-    return pickle.loads(pickle.dumps(spec))
+    each: Any = [[{n: v[i] for n, v in batch.items()} for batch in batches] for i in range(count)]
+    assert [digest(observations) for observations in each] == alone[:count]

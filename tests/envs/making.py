@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import random
 from typing import Any
 
 import gymnasium as gym
@@ -17,7 +18,7 @@ CABLE = "ICDCableRouting-v0"
 
 VARIANTS: list[tuple[str, dict[str, Any]]] = [(env_id, {}) for env_id in ENV_IDS] + [
     (CABLE, {"num_fixtures": 1, "cable": "charging", "obs_mode": "partial"}),
-    ("ICDCableRoutingAdaptation-v0", {"num_fixtures": 3, "goals": "contact"}),
+    ("ICDCableRoutingAdaptation-v0", {"goals": "contact"}),
 ]
 """Every environment as it is, and options that change what the contracts speak of."""
 
@@ -69,3 +70,20 @@ def plant_of(env: ContactEnv[Any]) -> Plant:
 def state_bits(env: ContactEnv[Any]) -> bytes:
     """The whole simulation state."""
     return env.snapshot().physics.tobytes()
+
+
+def seed_everything(seed: int) -> None:
+    """Seed every global generator, none of which must matter."""
+    import torch  # not in every process that imports this file
+
+    random.seed(seed)
+    np.random.seed(seed)  # noqa: NPY002
+    torch.manual_seed(seed)
+
+
+def global_random_state() -> tuple[object, ...]:
+    """Of every global generator, all of which must be left alone."""
+    import torch
+
+    numpys = repr(np.random.get_state())  # noqa: NPY002
+    return random.getstate(), numpys, torch.get_rng_state().numpy().tobytes()

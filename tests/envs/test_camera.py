@@ -45,6 +45,9 @@ def scene() -> tuple[mujoco.MjModel, mujoco.MjData]:
         ([0.3, 0.3, 1.9], False),  # beside the picture
         ([0.0, 0.0, 2.5], False),  # behind the camera
         ([0.0, 0.0, 1.5], True),  # in the air
+        ([0.0, 0.0, 2.0], False),  # the camera's own place
+        ([0.0, 0.0, np.nan], False),
+        ([np.inf, 0.0, 0.0], False),
     ],
 )
 def test_point_is_seen_unless_something_is_before_it(
@@ -74,3 +77,10 @@ def test_each_point_is_judged_alone(scene: tuple[mujoco.MjModel, mujoco.MjData])
     for i in range(0, 300, 10):
         assert camera.sees(data, points[i : i + 1])[0] == together[i]
     assert camera.sees(data, points[:0]).shape == (0,)
+    doubled = np.repeat(points, 2, axis=0).astype(np.float32)
+    np.testing.assert_array_equal(camera.sees(data, doubled), np.repeat(together, 2))
+    holed = points.copy()
+    holed[::2] = np.nan
+    seen = camera.sees(data, holed)
+    assert not seen[::2].any()
+    np.testing.assert_array_equal(seen[1::2], together[1::2])

@@ -8,7 +8,7 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
-from icd_envs.errors import InvalidActionError, InvalidOptionError
+from icd_envs.errors import EpisodeStateError, InvalidActionError, InvalidOptionError
 from icd_envs.wrappers import NoisyActions, NoisyObservations
 from tests.envs.making import digest, make, random_actions
 
@@ -27,6 +27,23 @@ def test_noise_depends_on_the_seed_alone(wrapper: type) -> None:
     first = digest(observed(env))
     assert digest(observed(env, seed=5)) != first
     assert digest(observed(env)) == first == digest(observed(wrapper(make(), STD)))
+
+
+@pytest.mark.parametrize("wrapper", [NoisyActions, NoisyObservations])
+def test_unseeded_episodes_follow_from_the_last_seed(wrapper: type) -> None:
+    env = wrapper(make(num_fixtures=1), STD)
+    seen = []
+    for seed in (4, None, None, 4, None, None):
+        first, _ = env.reset(seed=seed)
+        seen.append(digest([first, env.step(ACTIONS[0])[0]]))
+    assert seen[:3] == seen[3:]
+    assert len(set(seen)) == 3
+
+
+@pytest.mark.parametrize("wrapper", [NoisyActions, NoisyObservations])
+def test_step_before_reset_is_refused_as_without_noise(wrapper: type) -> None:
+    with pytest.raises(EpisodeStateError, match="reset"):
+        wrapper(make(), STD).step(ACTIONS[0])
 
 
 @pytest.mark.parametrize("wrapper", [NoisyActions, NoisyObservations])

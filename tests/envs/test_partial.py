@@ -84,15 +84,3 @@ def test_rendering_options_change_nothing_that_is_observed(pair: Pair) -> None:
     other = make(CABLE, obs_mode="partial", camera="top", width=64, height=64)
     assert digest([other.reset(seed=3)[0]]) == digest([pair[0].reset(seed=3)[0]])
     other.close()
-
-
-def test_nothing_seen_is_still_an_observation(pair: Pair, monkeypatch: pytest.MonkeyPatch) -> None:
-    env, _ = pair
-    monkeypatch.setattr(
-        "icd_envs.tasks.partial.PointCamera.sees", lambda *args: np.zeros(len(args[2]), bool)
-    )
-    env.reset(seed=0)
-    observation, reward, *_ = env.step(np.zeros(3))
-    assert env.observation_space.contains(observation)
-    assert not observation["achieved_goal"].any()
-    assert np.isfinite(reward)

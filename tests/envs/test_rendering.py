@@ -111,19 +111,25 @@ def test_without_opengl_only_rendering_raises(tmp_path: Path, backend: str) -> N
 @pytest.mark.parametrize(
     ("asked", "display", "libraries", "chosen"),
     [
-        ("", "", ("EGL", "OSMesa"), "egl"),
-        ("", "", ("OSMesa",), "osmesa"),
+        ("", "", ("EGL", "GL", "OSMesa"), "egl"),
+        ("", "", ("EGL", "OpenGL"), "egl"),
+        ("", "", ("EGL", "GLESv2"), "egl"),
+        ("", "", ("EGL", "OSMesa"), "osmesa"),
+        ("", "", ("GL", "OSMesa"), "osmesa"),
+        ("", "", ("EGL",), "disabled"),
         ("", "", (), "disabled"),
-        ("", ":0", ("EGL",), "glfw"),
-        ("egl", ":0", ("EGL",), "egl"),
-        (" OSMesa ", "", ("EGL", "OSMesa"), "osmesa"),
-        ("osmesa", "", ("EGL",), "egl"),
+        ("", ":0", ("EGL", "GL"), "glfw"),
+        ("egl", ":0", ("EGL", "GL"), "egl"),
+        (" OSMesa ", "", ("EGL", "GL", "OSMesa"), "osmesa"),
+        ("osmesa", "", ("EGL", "GL"), "egl"),
         ("egl", "", (), "disabled"),
-        ("off", ":0", ("EGL",), "off"),
-        ("glfw", "", ("EGL",), "glfw"),
-        ("on", "", ("EGL",), "egl"),
+        ("egl", "", ("EGL",), "disabled"),
+        ("off", ":0", ("EGL", "GL"), "off"),
+        ("glfw", "", ("EGL", "GL"), "glfw"),
+        ("on", "", ("EGL", "GL"), "egl"),
     ],
 )
+@pytest.mark.parametrize("broken", [False, True], ids=["missing", "broken"])
 @pytest.mark.filterwarnings("ignore:MUJOCO_GL")
 def test_backend_is_the_first_that_works(
     monkeypatch: pytest.MonkeyPatch,
@@ -131,17 +137,49 @@ def test_backend_is_the_first_that_works(
     display: str,
     libraries: tuple[str, ...],
     chosen: str,
+    broken: bool,
 ) -> None:
+    pretend(monkeypatch, asked, libraries, broken)
+    monkeypatch.setenv("DISPLAY", display)
+    assert rendering.choose_backend() == chosen
+    assert os.environ["MUJOCO_GL"].strip().lower() == chosen
+
+
+@pytest.mark.parametrize(
+    ("platform", "chosen"), [("", "egl"), ("EGL", "egl"), ("osmesa", "osmesa"), ("glx", "disabled")]
+)
+def test_backend_is_one_that_pyopengl_was_not_told_to_leave_alone(
+    monkeypatch: pytest.MonkeyPatch, platform: str, chosen: str
+) -> None:
+    pretend(monkeypatch, "", ("EGL", "GL", "OSMesa"))
+    monkeypatch.setenv("PYOPENGL_PLATFORM", platform)
+    assert rendering.choose_backend() == chosen
+
+
+def pretend(
+    monkeypatch: pytest.MonkeyPatch, asked: str, libraries: tuple[str, ...], broken: bool = False
+) -> None:
+    """A fresh process on Linux without a display that has these libraries alone.
+
+    The others are not there, or they are there and do not load.
+    """
+
+    def load(name: str) -> str:
+        if name not in libraries:
+            raise OSError(f"{name}: file too short")
+        return name
+
     monkeypatch.delitem(sys.modules, "mujoco", raising=False)
     monkeypatch.setattr(sys, "platform", "linux")
     monkeypatch.setenv("MUJOCO_GL", asked)
-    monkeypatch.setenv("DISPLAY", display)
-    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    for name in ("DISPLAY", "WAYLAND_DISPLAY", "PYOPENGL_PLATFORM"):
+        monkeypatch.delenv(name, raising=False)
     monkeypatch.setattr(
-        rendering.ctypes.util, "find_library", lambda name: name if name in libraries else None
+        rendering.ctypes.util,
+        "find_library",
+        lambda name: name if broken or name in libraries else None,
     )
-    assert rendering.choose_backend() == chosen
-    assert os.environ["MUJOCO_GL"].strip().lower() == chosen
+    monkeypatch.setattr(rendering.ctypes, "CDLL", load)
 
 
 def test_without_render_mode_there_is_no_picture() -> None:

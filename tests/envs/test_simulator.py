@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from icd_envs import ENV_IDS
 from icd_envs.api import Rollout, SimState, Simulator
 from icd_envs.errors import EpisodeStateError, IncompatibleStateError, InvalidActionError
 from icd_envs.geometry.sdf import BoxUnion
@@ -15,9 +16,9 @@ from icd_envs.tasks.env import ContactEnv
 from tests.envs.making import make, plant_of, random_actions
 
 
-@pytest.fixture(scope="module")
-def env() -> Iterator[ContactEnv[Any]]:
-    env = make()
+@pytest.fixture(scope="module", params=ENV_IDS)
+def env(request: pytest.FixtureRequest) -> Iterator[ContactEnv[Any]]:
+    env = make(request.param)
     env.reset(seed=0)
     yield env
     env.close()
@@ -152,16 +153,18 @@ def test_signed_distance_is_that_of_the_fixtures(
     assert np.abs(simulator.signed_distance(cloud[:800])).max() < 1e-5
 
 
-def test_simulator_of_a_past_episode_says_so() -> None:
-    env = make()
-    env.reset(seed=0)
-    old = env.episode(simulator=True, threads=2).simulator
+def test_simulator_of_a_past_episode_says_so(env: ContactEnv[Any]) -> None:
+    other = make(env.task.env_id)
+    other.reset(seed=0)
+    old = other.episode(simulator=True, threads=2).simulator
     assert old is not None
-    env.reset(seed=0)
+    other.reset(seed=0)
+    state = old.snapshot()
     with pytest.raises(EpisodeStateError, match="episode"):
-        old.rollout(old.snapshot(), np.zeros((1, 1, 3)))
-    new = env.episode(simulator=True).simulator
+        old.rollout(state, np.zeros((1, 1, 3)))
+    new = other.episode(simulator=True).simulator
     assert new is not None
-    env.close()
+    assert not new.rollout(state, np.zeros((1, 1, 3))).diverged.any()
+    other.close()
     with pytest.raises(EpisodeStateError):
-        new.rollout(old.snapshot, np.zeros((1, 1, 3)))  # type: ignore[arg-type]
+        new.rollout(state, np.zeros((1, 1, 3)))

@@ -1,0 +1,87 @@
+"""What must hold for every agent of the benchmark, on every environment."""
+
+from __future__ import annotations
+
+import copy
+import dataclasses
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+from benchmarks.registry import AGENTS, Offer, make_agent
+from icd_agent.tracking import SubgoalTracker
+from icd_envs import ENV_IDS
+from icd_envs.api import Agent, Episode, FloatArray, SimState
+from icd_envs.tasks.env import ContactEnv
+from tests.envs.making import global_random_state, make, seed_everything
+
+STEPS = 3
+
+
+@pytest.fixture(scope="module", params=ENV_IDS)
+def env(request: pytest.FixtureRequest) -> Iterator[ContactEnv[Any]]:
+    env = make(request.param)
+    env.reset(seed=0)
+    yield env
+    env.close()
+
+
+@pytest.fixture(scope="module")
+def start(env: ContactEnv[Any]) -> SimState:
+    return env.snapshot()
+
+
+@pytest.fixture(params=AGENTS)
+def agent(request: pytest.FixtureRequest, env: ContactEnv[Any]) -> Agent:
+    """Every agent, planners with few samples."""
+    agent = make_agent(request.param, Offer(env.task.env_id))
+    if isinstance(agent, SubgoalTracker):
+        agent.mppi_config = dataclasses.replace(agent.mppi_config, samples=5, horizon=3)
+    return agent
+
+
+def episode_for(agent: Agent, env: ContactEnv[Any]) -> Episode:
+    return env.episode(
+        simulator=getattr(agent, "needs_simulator", False),
+        oracle=getattr(agent, "needs_oracle", False),
+    )
+
+
+def acted(
+    agent: Agent, env: ContactEnv[Any], start: SimState, seed: int, disturb: bool = False
+) -> list[bytes]:
+    """The actions of a short episode, bit for bit."""
+    observation = env.restore(start)
+    agent.reset(episode_for(agent, env), seed)
+    actions = []
+    for step in range(STEPS):
+        if disturb:
+            seed_everything(step)
+        actions.append(agent.act(observation))
+        observation, *_ = env.step(np.asarray(actions[-1]))
+    return [np.asarray(action).tobytes() for action in actions]
+
+
+def test_actions_depend_on_the_seed_and_on_no_global_one(
+    env: ContactEnv[Any], start: SimState, agent: Agent
+) -> None:
+    seed_everything(7)
+    before = global_random_state()
+    actions = acted(agent, env, start, seed=1)
+    assert global_random_state() == before
+    assert acted(agent, env, start, seed=1, disturb=True) == actions
+
+
+def test_actions_lie_in_the_box_and_what_was_observed_is_left_alone(
+    env: ContactEnv[Any], start: SimState, agent: Agent
+) -> None:
+    observation = env.restore(start)
+    before = copy.deepcopy(observation)
+    agent.reset(episode_for(agent, env), 0)
+    action: FloatArray = np.asarray(agent.act(observation))
+    assert action.shape == (3,)
+    assert np.abs(action).max() <= 1.0
+    np.testing.assert_equal(observation, before)
+    assert env.snapshot().physics.tobytes() == start.physics.tobytes()
