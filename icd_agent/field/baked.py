@@ -15,6 +15,8 @@ from icd_envs.api import Float32Array, FloatArray
 
 CHUNK = 8192
 """Points that the exact field is asked about at once."""
+FARTHEST = 1e3
+"""[m] coordinates are cut off there, far outside of every grid."""
 GAP = 0.15
 """[m] fixtures farther apart than this get fine grids of their own."""
 
@@ -146,7 +148,8 @@ class BakedField:
     def features(self, points: FloatArray) -> Float32Array:
         """(..., 3) [m], world frame -> (..., D) descriptors."""
         # Diverged samples may hold anything.
-        finite = np.nan_to_num(np.asarray(points, np.float32), nan=0.0, posinf=0.0, neginf=0.0)
+        finite = np.nan_to_num(np.asarray(points, np.float32), nan=0.0)
+        np.clip(finite, -FARTHEST, FARTHEST, out=finite)
         axes = [np.ascontiguousarray(finite[..., i]).ravel() for i in range(3)]
         rows, weights = self._grids[0].corners(axes)
         for grid in self._grids[1:]:
