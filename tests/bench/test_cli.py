@@ -83,6 +83,14 @@ def test_errored_episodes_exit_1(tmp_path: Path) -> None:
     assert (record["errors"], record["success"], record["success_ci"]) == (3, None, None)
 
 
+def test_agent_that_ends_its_process_is_an_error_even_with_one_worker(tmp_path: Path) -> None:
+    ran = run(tmp_path / "out", toy.Killer, "--json", "--seed", 8)
+    assert ran.exit_code == 1
+    (record,) = json.loads(ran.stdout)
+    assert (record["episodes"], record["success"]) == (3, 1.0)
+    assert 0 < record["errors"] < 3
+
+
 def test_fresh_folder_without_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     for _ in range(2):
