@@ -109,6 +109,8 @@ def _row(job: Job, play: Callable[[Job], Outcome]) -> Row:
         env=job.env,
         index=job.index,
         seed=job.seed,
+        condition=job.condition.name,
+        repeat=job.repeat,
         status="ok",
         success=outcome.success,
         complete=outcome.complete,

@@ -45,6 +45,7 @@ def test_routing_everywhere_reaches_the_contact_goals_that_ask_for_it() -> None:
         row = play(source, Job(source.agent, CABLE, seed, seed, CONTACT_GOALS))
         contacts = draw_problem(task, scene_rng("test", seed), seed).scene.contacts
         asked.append(set(contacts) == {"through"})
+        assert row.condition == CONTACT_GOALS.name
         assert row.success == asked[-1]
         assert row.complete == contacts.count("through") / len(contacts)
     assert set(asked) == {True, False}

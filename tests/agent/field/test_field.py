@@ -84,7 +84,7 @@ def test_descriptors_are_continuous(field: SceneField) -> None:
     scene = scene_of(0)
     low, high = scene[0].amin(0), scene[0].amax(0)
     line = low + torch.linspace(0, 1, 20_001, dtype=torch.float64)[:, None] * (high - low)
-    descriptors = field(scene, line[None]).descriptor[0]
+    descriptors = field(scene, line[None]).descriptor[0].detach()
     jumps = descriptors.diff(dim=0).norm(dim=-1)
     # 0.05 mm apart: nothing may jump where the nearest anchors change.
     assert float(jumps.max()) < 0.02 * float((descriptors - descriptors.mean(0)).norm(dim=-1).max())
