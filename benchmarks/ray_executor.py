@@ -92,7 +92,7 @@ class Ray:
                             yield after
             finally:
                 for reference in running:
-                    ray.cancel(reference, force=True)
+                    ray.cancel(reference)  # by force, Ray 2.60 aborts if one is just being done
 
 
 class _Place(NamedTuple):

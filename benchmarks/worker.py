@@ -111,8 +111,12 @@ class Worker(Generic[J, R]):
             Exception: what the job raised.
         """
         self.give(job)
-        while (outcome := self.outcome()) is None:
-            wait([self.connection], TICK)
+        try:
+            while (outcome := self.outcome()) is None:
+                wait([self.connection], TICK)
+        except BaseException:
+            self.kill()
+            raise
         return outcome
 
     def outcome(self) -> Done[R] | Loss | None:
