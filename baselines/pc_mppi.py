@@ -9,5 +9,4 @@ from icd_agent.tracking import SubgoalTracker
 
 def make_pc_mppi() -> SubgoalTracker:
     """Build the paper's baseline PC-MPPI."""
-    space = PointSpace()
-    return SubgoalTracker(GoalSource(space), space, preset("paper"))
+    return SubgoalTracker(GoalSource(), PointSpace(), preset("paper"))

@@ -9,20 +9,19 @@ from __future__ import annotations
 import json
 import os
 import sys
-import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager, redirect_stdout
+from contextlib import redirect_stdout
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from benchmarks import network_commands
+from benchmarks.console import FAILED_EPISODES, FINE, AsJson, errors_in_one_line
+
 if TYPE_CHECKING:
     from benchmarks.interrupts import Interrupt
     from benchmarks.videos import Choice
-
-FINE, FAILED_EPISODES, USAGE, INCOMPATIBLE = 0, 1, 2, 3
 
 main = typer.Typer(
     help="Run agents on the Implicit Contact Diffuser tasks and print honest tables.",
@@ -30,6 +29,8 @@ main = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
+for name, group in network_commands.GROUPS.items():
+    main.add_typer(group, name=name)
 
 Workers = Annotated[
     int | None,
@@ -53,7 +54,6 @@ Device = Annotated[str, typer.Option(help="Given to agents that ask for one.")]
 TrustPickle = Annotated[
     bool, typer.Option("--trust-pickle", help="Load sb3: files, which may run any code.")
 ]
-AsJson = Annotated[bool, typer.Option("--json", help="Print JSON, and only JSON, on stdout.")]
 
 
 class Videos(StrEnum):
@@ -68,7 +68,7 @@ class Videos(StrEnum):
 def list_() -> None:
     """List agents, plug-ins, environments, suites and gates."""
     _import_from_working_directory()
-    with _errors_in_one_line():
+    with errors_in_one_line():
         from benchmarks.listing import entries
         from benchmarks.tables import print_rows
 
@@ -117,7 +117,7 @@ def run(
 ) -> None:
     """Run agents, one row per episode, and print the table."""
     _import_from_working_directory()
-    with _errors_in_one_line():
+    with errors_in_one_line():
         from benchmarks import progress, results, runner
         from benchmarks.attempt import Settings
         from benchmarks.executors import make_executor
@@ -172,7 +172,7 @@ def check_agent(
 ) -> None:
     """Play a few steps with an agent and say what it does wrong."""
     _import_from_working_directory()
-    with _errors_in_one_line():
+    with errors_in_one_line():
         from benchmarks import agent_check, registry
         from benchmarks.attempt import Settings
         from benchmarks.executors import Local
@@ -209,7 +209,7 @@ def report(
     form: Literal["table", "json", "markdown", "latex"] = (
         "json" if as_json else "markdown" if markdown else "latex" if latex else "table"
     )
-    with _errors_in_one_line():
+    with errors_in_one_line():
         from benchmarks.report_command import report as print_report
 
         print_report(
@@ -230,7 +230,7 @@ def gates(
     as_json: AsJson = False,
 ) -> None:
     """Check that a task is neither too easy nor too hard."""
-    with _errors_in_one_line():
+    with errors_in_one_line():
         from benchmarks import progress
         from benchmarks.executors import make_executor
         from benchmarks.gates import gates_of, run_gates
@@ -277,7 +277,7 @@ def collect(
     as_json: AsJson = False,
 ) -> None:
     """Record episodes of the noisy expert in training scenes."""
-    with _errors_in_one_line():
+    with errors_in_one_line():
         from benchmarks import collect_command, progress
         from benchmarks.executors import make_executor
         from benchmarks.interrupts import interruptible
@@ -311,7 +311,7 @@ def export_scene(
     as_json: AsJson = False,
 ) -> None:
     """Write a scene at its start as a mesh file (glTF) for papers, slides and web pages."""
-    with _errors_in_one_line():
+    with errors_in_one_line():
         from benchmarks import export_command
         from benchmarks.tables import print_values
 
@@ -338,7 +338,7 @@ def watch(
 ) -> None:
     """Look at an agent while it acts: clouds, subgoals and plans."""
     _import_from_working_directory()
-    with _errors_in_one_line(), redirect_stdout(sys.stderr):
+    with errors_in_one_line(), redirect_stdout(sys.stderr):
         from benchmarks.watch.command import watch_agent
 
         errors = watch_agent(
@@ -354,7 +354,7 @@ def perf(
     as_json: AsJson = False,
 ) -> None:
     """Measure physics and planner on this machine."""
-    with _errors_in_one_line():
+    with errors_in_one_line():
         from benchmarks.perf.report import measure
         from benchmarks.tables import print_mapping
 
@@ -375,18 +375,3 @@ def _import_from_working_directory() -> None:
     """Let ``module:attr`` name a file beside the user; installed packages come first."""
     if os.getcwd() not in sys.path and "" not in sys.path:
         sys.path.append(os.getcwd())
-
-
-@contextmanager
-def _errors_in_one_line() -> Iterator[None]:
-    """Say what our errors and warnings say, without a traceback, and exit as documented."""
-    from benchmarks.errors import IncompatibleResultsError
-    from icd_envs.errors import IcdError
-
-    warnings.formatwarning = lambda message, *_: f"icd-bench: warning: {message}\n"
-    try:
-        yield
-    except IcdError as error:
-        typer.echo(f"icd-bench: {' '.join(str(error).split())}", err=True)
-        code = INCOMPATIBLE if isinstance(error, IncompatibleResultsError) else USAGE
-        raise typer.Exit(code) from None

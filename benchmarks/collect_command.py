@@ -7,13 +7,12 @@ from pathlib import Path
 from time import perf_counter
 
 from benchmarks.collect import collect
+from benchmarks.console import Values
 from benchmarks.executors import Executor
 from benchmarks.runner import Watch
 from icd_envs.demonstrations import Demonstrations, find_task
 from icd_envs.demonstrations.header import Header, shard_path
 from icd_envs.errors import InvalidOptionError
-
-Values = dict[str, int | float | str]
 
 
 def make_header(

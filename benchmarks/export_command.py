@@ -6,11 +6,10 @@ from pathlib import Path
 
 import gymnasium as gym
 
+from benchmarks.console import Values
 from icd_envs import ENV_IDS
 from icd_envs.errors import InvalidOptionError, unknown_name
 from icd_envs.export import export_glb
-
-Values = dict[str, int | float | str]
 
 
 def export_scene(env_id: str, out: Path, *, seed: int, split: str) -> Values:

@@ -24,8 +24,11 @@ AGENTS: dict[str, str] = {
     "random": "baselines.random_agent:RandomAgent",
     "expert": "baselines.expert:ExpertAgent",
     "pc-mppi": "baselines.pc_mppi:make_pc_mppi",
+    "ndf-mppi": "baselines.ndf_mppi:make_ndf_mppi",
     "ladder:oracle-points": "baselines.ladder:make_oracle_points",
+    "ladder:oracle-descriptors": "baselines.ladder:make_oracle_descriptors",
     "ladder:transferred-points": "baselines.ladder:make_transferred_points",
+    "ladder:transferred-descriptors": "baselines.ladder:make_transferred_descriptors",
 }
 FORMS: Final[dict[str, str]] = {
     "module:attr": "a class or factory",

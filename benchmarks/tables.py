@@ -10,6 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from benchmarks.conditions import task_title
+from benchmarks.console import Values
 from benchmarks.gates import Gate, Verdict
 from benchmarks.report.summaries import Summary
 from benchmarks.statistics import Interval
@@ -84,7 +85,7 @@ def print_mapping(values: Mapping[str, float | str]) -> None:
     )
 
 
-def print_values(values: Mapping[str, int | float | str]) -> None:
+def print_values(values: Values) -> None:
     """Print names and values on stdout, every digit of integers."""
     print_rows(
         ("what", "value"),

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol
+from collections.abc import Callable
+from typing import Literal, NamedTuple, Protocol
 
 import numpy as np
 
@@ -10,12 +11,31 @@ from icd_agent.mppi.costs import squared_distance
 from icd_agent.options import require
 from icd_envs.api import Episode, FloatArray, Observation
 
+Features = Callable[[FloatArray], FloatArray]
+"""Maps clouds (..., N, 3) [m] in the world frame to features (..., N, D)."""
+
+
+Spacing = Literal["median", "own"]
+
+
+class Placed(NamedTuple):
+    """A cost space in the scenes of one episode.
+
+    Attributes:
+        here: features in the present scene; quick, for many clouds at once.
+        goal: features in the scene that the goal was specified in; the same except in the
+            adaptation tasks, and may be slow.
+    """
+
+    here: Features
+    goal: Features
+
 
 class CostSpace(Protocol):
     """Where distances between object states are measured."""
 
-    def features(self, points: FloatArray) -> FloatArray:
-        """Map clouds (..., N, 3) [m] in the world frame to features (..., N, D)."""
+    def place(self, observation: Observation) -> Placed:
+        """Get ready for an episode from its first observation."""
         ...
 
 
@@ -40,17 +60,21 @@ class SubgoalSource(Protocol):
 
     needs_oracle: bool
 
-    def chain(self, episode: Episode, observation: Observation) -> Subgoals:
-        """Subgoals from now to the goal."""
+    def chain(self, episode: Episode, observation: Observation, space: Placed) -> Subgoals:
+        """Subgoals from now to the goal, in ``space``."""
         ...
 
 
 class PointSpace:
     """World coordinates as they are; distances are metres."""
 
-    def features(self, points: FloatArray) -> FloatArray:
-        """Return clouds (..., N, 3) [m] unchanged."""
-        return points
+    def place(self, observation: Observation) -> Placed:
+        """Clouds are their own features, wherever they are."""
+        return Placed(_unchanged, _unchanged)
+
+
+def _unchanged(points: FloatArray) -> FloatArray:
+    return points
 
 
 class GoalSource:
@@ -58,14 +82,10 @@ class GoalSource:
 
     needs_oracle = False
 
-    def __init__(self, space: CostSpace) -> None:
-        """Measure in ``space``."""
-        self._space = space
-
-    def chain(self, episode: Episode, observation: Observation) -> Subgoals:
-        """Return the desired object cloud as a chain of one."""
-        cloud = observation["desired_goal"]
-        return Subgoals(self._space.features(cloud)[None], cloud[None])
+    def chain(self, episode: Episode, observation: Observation, space: Placed) -> Subgoals:
+        """Return the desired object cloud, as it lies in the goal's scene, as a chain of one."""
+        cloud = observation["desired_goal"][None]
+        return Subgoals(space.goal(cloud), cloud)
 
 
 class SubgoalChain:
@@ -81,6 +101,7 @@ class SubgoalChain:
         threshold: float = 0.35,
         window: int | None = None,
         patience: int | None = None,
+        spacing: Spacing = "median",
     ) -> None:
         """Begin with every subgoal ahead; ``TrackerConfig`` checks the options.
 
@@ -90,6 +111,8 @@ class SubgoalChain:
                 consecutive subgoals.
             window: only the next so many subgoals may be aimed at or reached; None is all.
             patience: after so many steps without a subgoal removed, one is skipped; None is never.
+            spacing: "own" replaces that median by the distance to the subgoal before, if it is
+                larger.
 
         Raises:
             InvalidOptionError: for an empty or non-finite chain.
@@ -100,8 +123,11 @@ class SubgoalChain:
         self._subgoals = np.array(subgoals, dtype=np.float32)
         self._window = len(self._subgoals) if window is None else window
         self._patience = patience
-        steps = np.sqrt(np.mean(np.sum(np.diff(self._subgoals, axis=0) ** 2, axis=-1), axis=-1))
-        self._threshold_squared = (threshold * float(np.median(steps))) ** 2 if len(steps) else 0.0
+        apart = np.sqrt(np.mean(np.sum(np.diff(self._subgoals, axis=0) ** 2, axis=-1), axis=-1))
+        reach = np.full(len(self._subgoals), np.median(apart) if len(apart) else 0.0)
+        if spacing == "own":
+            reach[1:] = np.maximum(reach[1:], apart)
+        self._reach_squared = (threshold * reach) ** 2
         self._index = 0
         self._steps_since_progress = 0
 
@@ -125,7 +151,8 @@ class SubgoalChain:
             current: (N, D) present state in the cost space; call once per control step.
         """
         squares = squared_distance(current[None, None], self.ahead())[0, 0]
-        reached = np.flatnonzero(squares <= self._threshold_squared)
+        reach_squared = self._reach_squared[self._index : self._index + len(squares)]
+        reached = np.flatnonzero(squares <= reach_squared)
         if reached.size:
             self._move_to(self._index + int(reached[-1]) + 1)
         elif self._patience is not None and self._steps_since_progress >= self._patience:

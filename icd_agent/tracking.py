@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
+from typing import get_args
 
 import numpy as np
 
-from icd_agent.chain import CostSpace, SubgoalChain, SubgoalSource
+from icd_agent.chain import CostSpace, Spacing, SubgoalChain, SubgoalSource
 from icd_agent.mppi.costs import collision_cost, nearest_subgoal_cost, squared_distance
 from icd_agent.mppi.planner import MPPI, MPPIConfig
 from icd_agent.options import is_count, is_finite, require
@@ -31,6 +32,8 @@ class TrackerConfig:
     Attributes:
         threshold: a subgoal is reached within this fraction of the median distance between
             consecutive subgoals.
+        spacing: "own" replaces that median by the distance to the subgoal before, if it is larger:
+            for spaces in which subgoals lie close together far from contact and far apart near it.
         window: the cost is the minimum over the next so many subgoals; None is the paper's
             minimum over all that remain, which can jump ahead of a change of contact.
         patience: control steps without a subgoal removed after which one is skipped; None is never.
@@ -39,6 +42,7 @@ class TrackerConfig:
     """
 
     threshold: float = 0.35
+    spacing: Spacing = "median"
     window: int | None = None
     patience: int | None = 20
     collision_weight: float = 1.0
@@ -52,6 +56,8 @@ class TrackerConfig:
         for field in ("threshold", "collision_weight"):
             value = getattr(self, field)
             require(is_finite(value) and value >= 0, field, value, "a finite number >= 0")
+        names = get_args(Spacing)
+        require(self.spacing in names, "spacing", self.spacing, f"one of {', '.join(names)}")
         for field in ("window", "patience"):
             value = getattr(self, field)
             require(value is None or is_count(value), field, value, "None or an integer >= 1")
@@ -60,7 +66,7 @@ class TrackerConfig:
 class SubgoalTracker:
     """An agent that follows a chain of subgoals by sampling futures in the simulator.
 
-    The source is asked at the first ``act`` of an episode.
+    Space and source get ready at the first ``act`` of an episode, which may take seconds.
     """
 
     needs_simulator = True
@@ -76,7 +82,7 @@ class SubgoalTracker:
 
         Args:
             source: where subgoals come from.
-            space: where distances are measured; the source's chains are in the same space.
+            space: where distances are measured.
             mppi: settings of the planner.
             config: how the chain is followed; the defaults of ``TrackerConfig`` if None.
         """
@@ -85,7 +91,7 @@ class SubgoalTracker:
         self.config = TrackerConfig() if config is None else config
         self.plan_info: PlanInfo | None = None
         self._source = source
-        self._space = space
+        self.space = space
         self._episode: Episode | None = None
 
     def reset(self, episode: Episode, seed: int) -> None:
@@ -124,14 +130,16 @@ class SubgoalTracker:
         if self._episode is None:
             raise EpisodeStateError("act() before reset(): call reset(episode, seed) first")
         if self._chain is None:
-            self._subgoals = self._source.chain(self._episode, observation)
+            self._placed = self.space.place(observation)
+            self._subgoals = self._source.chain(self._episode, observation, self._placed)
             self._chain = SubgoalChain(
                 self._subgoals.features,
                 self.config.threshold,
                 self.config.window,
                 self.config.patience,
+                self.config.spacing,
             )
-        self._chain.advance(self._space.features(observation["achieved_goal"]))
+        self._chain.advance(self._placed.here(observation["achieved_goal"]))
 
         times = [time.perf_counter()]
         actions = self._planner.sample(self._rng)
@@ -170,7 +178,7 @@ class SubgoalTracker:
 
     def _costs(self, rollout: Rollout, subgoals: FloatArray, spheres: FloatArray) -> Float64Array:
         """Cost (K,) of each sample; inf where the physics diverged."""
-        features = self._space.features(rollout.points)
+        features = self._placed.here(rollout.points)
         costs = nearest_subgoal_cost(squared_distance(features, subgoals))
         costs += collision_cost(
             rollout.gripper, spheres, self._simulator.signed_distance, self.config.collision_weight

@@ -21,6 +21,7 @@ from mujoco import rollout
 import icd_envs  # noqa: F401  registers the environments
 from baselines.pc_mppi import make_pc_mppi
 from benchmarks.perf.naive_cable import make_naive
+from icd_agent.field.space import FieldSpace
 from icd_agent.plan_info import PlanInfo
 from icd_envs.api import FloatArray, Observation, Oracle, Rollout, SimState
 from icd_envs.physics.simulator import RolloutSimulator
@@ -97,7 +98,7 @@ def _measure_planner(
         parts.append(agent.plan_info)
 
     whole, bare = _interleave(repeats, act, recorder.repeat_bare)
-    return {
+    return _measure_field(observation, recorder, repeats) | {
         "planner_threads": float(threads),
         "mppi_step_ms": 1e3 * median(whole),
         "rollout_ms": 1e3 * median(part.rollout_seconds for part in parts),
@@ -105,6 +106,21 @@ def _measure_planner(
         "update_ms": 1e3 * median(part.update_seconds for part in parts),
         "bare_rollout_ms": 1e3 * median(bare),
         "step_over_bare_rollout": median(a / b for a, b in zip(whole, bare, strict=True)),
+    }
+
+
+def _measure_field(observation: Observation, recorder: _Recorder, repeats: int) -> dict[str, float]:
+    """Descriptors of the last rollout's object points, beside its physics."""
+    space = FieldSpace.shipped(ENV_ID)
+    before = time.perf_counter()
+    features = space.place(observation).here
+    bake = time.perf_counter() - before
+    points = recorder.last_points
+    lookup, bare = _interleave(repeats, lambda: features(points), recorder.repeat_bare)
+    return {
+        "bake_s": bake,
+        "descriptors_ms": 1e3 * median(lookup),
+        "descriptors_over_bare_rollout": median(a / b for a, b in zip(lookup, bare, strict=True)),
     }
 
 
@@ -118,7 +134,9 @@ class _Recorder:
 
     def rollout(self, state: SimState, actions: FloatArray) -> Rollout:
         self._last = (state, np.asarray(actions, dtype=np.float64))
-        return self._simulator.rollout(state, actions)
+        found = self._simulator.rollout(state, actions)
+        self.last_points = found.points
+        return found
 
     def repeat_bare(self) -> None:
         """The physics of the last rollout again, and nothing else."""

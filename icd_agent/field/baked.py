@@ -7,8 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 import torch
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 from torch.nn import functional
 
+from icd_agent.field.encoder import SceneCode
 from icd_agent.field.field import SceneField
 from icd_agent.options import is_positive, require
 from icd_envs.api import Float32Array, FloatArray
@@ -28,13 +30,13 @@ class BakeConfig:
     Attributes:
         fine: [m] spacing near fixtures.
         coarse: [m] spacing elsewhere.
-        near: [m] around a fixture's points that its fine grid covers.
+        near: [m] distance from a fixture's points up to which it is fine.
         reach: [m] around the scene and the object that the coarse grid covers; what is farther
             out is taken as at its edge.
     """
 
     fine: float = 0.01
-    coarse: float = 0.03
+    coarse: float = 0.04
     near: float = 0.05
     reach: float = 0.3
 
@@ -103,7 +105,11 @@ class _Grid:
 
 
 class BakedField:
-    """Descriptors of any point by trilinear interpolation: fine near fixtures, coarse elsewhere."""
+    """Descriptors of any point by trilinear interpolation: fine near fixtures, coarse elsewhere.
+
+    Attributes:
+        evaluated: points that the network was asked about.
+    """
 
     def __init__(
         self,
@@ -121,29 +127,29 @@ class BakedField:
             config: spacing and reach.
         """
         config = config or BakeConfig()
-        cloud = torch.from_numpy(np.ascontiguousarray(scene, dtype=np.float32))
         everything = np.concatenate([scene, np.asarray(object_points, np.float32).reshape(-1, 3)])
         low = everything.min(axis=0) - config.reach
         high = everything.max(axis=0) + config.reach
         low[2] = scene[:, 2].min()
-        boxes = [(low, high, config.coarse)]
-        boxes += [(a, b, config.fine) for a, b in _fixture_boxes(scene, field, config.near)]
-        self._grids: list[_Grid] = []
-        for a, b, spacing in boxes:
-            self._grids.append(_Grid(a, b, spacing, sum(grid.rows for grid in self._grids)))
+        fixture = scene[scene[:, 2] > low[2] + field.config.floor_margin]
         with torch.no_grad():
-            code = field.encoder(cloud[None])
-            parts = [
-                field.query(code, chunk[None]).descriptor[0]
-                for grid in self._grids
-                for chunk in torch.split(torch.from_numpy(grid.points()), CHUNK)
-            ]
-        self._table = torch.cat(parts)
-
-    @property
-    def rows(self) -> int:
-        """Points that the field was evaluated at."""
-        return len(self._table)
+            code = field.encoder(torch.from_numpy(np.ascontiguousarray(scene, np.float32))[None])
+            self._grids = [_Grid(low, high, config.coarse, 0)]
+            self._table = _ask(field, code, self._grids[0].points())
+            self.evaluated = len(self._table)
+            grids, tables = self._grids, [self._table]
+            for a, b in _fixture_boxes(fixture, low[2], config.near):
+                last = grids[-1]
+                grids = [*grids, _Grid(a, b, config.fine, last.first_row + last.rows)]
+                points = grids[-1].points()
+                near = np.isfinite(
+                    cKDTree(fixture).query(points, distance_upper_bound=config.near)[0]
+                )
+                table = torch.from_numpy(self.features(points))  # the coarse grid's
+                table[near] = _ask(field, code, points[near])
+                self.evaluated += int(np.count_nonzero(near))
+                tables.append(table)
+        self._grids, self._table = grids, torch.cat(tables)
 
     def features(self, points: FloatArray) -> Float32Array:
         """(..., 3) [m], world frame -> (..., D) descriptors."""
@@ -164,20 +170,24 @@ class BakedField:
         return found.numpy().reshape(*points.shape[:-1], -1)
 
 
+def _ask(field: SceneField, code: SceneCode, points: Float32Array) -> torch.Tensor:
+    """Descriptors (P, D) of points (P, 3) [m], straight from the network."""
+    chunks = torch.split(torch.from_numpy(points), CHUNK)
+    return torch.cat([field.query(code, chunk[None]).descriptor[0] for chunk in chunks])
+
+
 def _fixture_boxes(
-    scene: Float32Array, field: SceneField, near: float
+    fixture: Float32Array, floor: float, near: float
 ) -> list[tuple[Float32Array, Float32Array]]:
     """Axis-parallel boxes around the parts of the scene that stand apart from one another."""
     from scipy.cluster.hierarchy import fclusterdata
 
-    low = scene[:, 2].min()
-    fixture = scene[scene[:, 2] > low + field.config.floor_margin]
     if len(fixture) < 2:
         return []
     part = fclusterdata(fixture, GAP, criterion="distance", method="single")
     boxes = []
     for k in np.unique(part):
         a, b = fixture[part == k].min(axis=0) - near, fixture[part == k].max(axis=0) + near
-        a[2] = max(a[2], low)
+        a[2] = max(a[2], floor)
         boxes.append((a, b))
     return boxes

@@ -19,26 +19,35 @@ class FieldConfig:
         anchor_neighbours: scene points that an anchor's features come from.
         graph_neighbours: anchors that an anchor exchanges features with.
         graph_layers: how many times.
-        query_neighbours: k, anchors that a query gathers.
+        query_neighbours: k, nearest anchors that a query gathers.
+        outlook: anchors spread over the whole scene that a query looks out to; how far it looks
+            grows with its distance to the nearest of them, so that contacts are described by what
+            is touched and places in the open by more of what stands around.
+        outlook_scale: [m] how far a query at a surface looks out.
+        outlook_growth: how much farther it looks per metre of that distance.
         channels: vector channels of an anchor.
         edge_width: scalar channels of what an anchor tells a query.
         width: scalar channels of a query.
         descriptor: D, size of a descriptor.
-        length_scale: [m] distances are compressed as log(1 + r / length_scale).
+        length_scale: [m] distances are compressed as log(1 + r / length_scale); also the unit of
+            descriptors: at a surface, points 1 mm apart have descriptors about 0.001 apart.
         floor_margin: [m] scene points this close above the lowest one are floor, not fixture.
     """
 
     scope: Literal["local", "global"] = "local"
-    anchors: int = 128
+    anchors: int = 256
     anchor_neighbours: int = 24
     graph_neighbours: int = 16
     graph_layers: int = 2
-    query_neighbours: int = 16
+    query_neighbours: int = 12
+    outlook: int = 16
+    outlook_scale: float = 0.04
+    outlook_growth: float = 0.5
     channels: int = 24
-    edge_width: int = 64
-    width: int = 160
-    descriptor: int = 48
-    length_scale: float = 0.04
+    edge_width: int = 48
+    width: int = 128
+    descriptor: int = 32
+    length_scale: float = 0.03
     floor_margin: float = 0.003
 
     def __post_init__(self) -> None:
@@ -52,6 +61,7 @@ class FieldConfig:
             value = getattr(self, field.name)
             if field.type == "int":
                 require(is_count(value), field.name, value, "an integer >= 1")
-        require(is_positive(self.length_scale), "length_scale", self.length_scale, "metres > 0")
+        for name in ("outlook_scale", "outlook_growth", "length_scale"):
+            require(is_positive(getattr(self, name)), name, getattr(self, name), "a number > 0")
         margin = self.floor_margin
         require(is_finite(margin) and margin >= 0, "floor_margin", margin, "metres >= 0")

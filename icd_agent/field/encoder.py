@@ -16,7 +16,8 @@ class SceneCode(NamedTuple):
     """An encoded scene; it turns and moves with the scene about and along gravity's axis.
 
     Attributes:
-        anchors: (B, A, 3) [m] on surfaces of fixtures, world frame.
+        anchors: (B, A, 3) [m] on surfaces of fixtures, world frame, each far from all before it;
+            with the global scope only one, in their middle.
         features: (B, A, 3, C) vectors, in units of the length scale or of none.
         floor: (B,) [m] height of the lowest scene point.
     """
@@ -41,6 +42,7 @@ class SceneEncoder(nn.Module):
             VectorLeakyReLU(channels),
         )
         self.exchange = nn.ModuleList(_Exchange(channels) for _ in range(config.graph_layers))
+        self.summary = _Summary(channels) if config.scope == "global" else None
 
     def forward(self, scene: Tensor, there: Tensor | None = None) -> SceneCode:
         """Encode scenes.
@@ -64,6 +66,10 @@ class SceneEncoder(nn.Module):
         offsets = self._scaled(gather(anchors, around) - anchors[:, :, None])
         for layer in self.exchange:
             features = layer(features, gather(features, around), offsets)
+        if self.summary is not None:
+            middle = anchors.mean(dim=1, keepdim=True)
+            features = self.summary(features, self._scaled(anchors - middle))
+            anchors = middle
         return SceneCode(anchors, features, floor)
 
     def _look_around(self, scene: Tensor, fixture: Tensor, anchors: Tensor) -> Tensor:
@@ -100,3 +106,23 @@ class _Exchange(nn.Module):
         messages = self.activation(here + self.there(around) + self.offset(offsets))
         updated: Tensor = features + self.out(messages.mean(dim=2))
         return updated
+
+
+class _Summary(nn.Module):
+    """One code for all anchors, from what they know and where they are."""
+
+    def __init__(self, channels: int) -> None:
+        super().__init__()
+        self.layers = nn.Sequential(
+            VectorLinear(channels + 2, 2 * channels),
+            VectorLeakyReLU(2 * channels),
+            VectorLinear(2 * channels, 2 * channels),
+            VectorLeakyReLU(2 * channels),
+        )
+        self.out = VectorLinear(2 * channels, channels)
+
+    def forward(self, features: Tensor, places: Tensor) -> Tensor:
+        """(B, A, 3, C) and places about their middle (B, A, 3, 1) -> (B, 1, 3, C)."""
+        told = self.layers(torch.cat([features, places, upward(features)], dim=-1))
+        summary: Tensor = self.out(told.mean(dim=1, keepdim=True))
+        return summary

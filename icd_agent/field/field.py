@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import torch
 from torch import Tensor, nn
+from torch.nn import functional
 
 from icd_agent.field.config import FieldConfig
 from icd_agent.field.encoder import SceneCode, SceneEncoder
@@ -13,14 +14,17 @@ from icd_agent.field.neighbours import gather, nearest
 from icd_agent.field.vector_neurons import TINY, Invariants, VectorLeakyReLU, VectorLinear, upward
 
 SHARPNESS = (1.0, 3.0)
-"""Exponents of the two distance weights: a smooth look at all around, and a close one."""
+"""Exponents of the distance weights of the nearest anchors: a smooth look and a close one."""
+HEADS = len(SHARPNESS) + 1
+"""Ways to weigh anchors; the last one is the outlook."""
 
 
 class FieldOutput(NamedTuple):
     """What the field says about points x.
 
     Attributes:
-        descriptor: (B, Q, D), the same for all yaws and places of scene and point together.
+        descriptor: (B, Q, D), the same for all yaws and places of scene and point together;
+            distances between them are [m] at surfaces and fewer the farther away.
         occupancy: (B, Q) logit of being inside a fixture.
         gradient: (B, Q, 3) direction of the signed distance's gradient, world frame.
         log_distance: (B, Q) log(1 + |signed distance| / length scale).
@@ -44,10 +48,10 @@ class SceneField(nn.Module):
         self.edge = nn.Sequential(
             nn.Linear(2 * channels + 2, edge), nn.LeakyReLU(), nn.Linear(edge, edge)
         )
-        gathered = len(SHARPNESS) * (channels + 1) + 1
+        gathered = HEADS * (channels + 1) + 1
         self.vectors = nn.Sequential(VectorLinear(gathered, channels), VectorLeakyReLU(channels))
         self.invariants = Invariants(channels)
-        scalars = len(SHARPNESS) * edge + 3 * channels + 1
+        scalars = HEADS * edge + 3 * channels + 1
         self.trunk = nn.Sequential(
             nn.Linear(scalars, width), nn.SiLU(), nn.Linear(width, width), nn.SiLU()
         )
@@ -76,33 +80,55 @@ class SceneField(nn.Module):
         hidden = self.trunk(torch.cat(scalars, dim=-1))
         occupancy, log_distance = self.heads(hidden).unbind(-1)
         steered = torch.cat([vectors, upward(vectors)], dim=-1) * self.gates(hidden)[..., None, :]
-        return FieldOutput(self.descriptor(hidden), occupancy, steered.sum(-1), log_distance)
+        descriptor = self.config.length_scale * self.descriptor(hidden)
+        return FieldOutput(descriptor, occupancy, steered.sum(-1), log_distance)
 
     def _edges(self, code: SceneCode, points: Tensor) -> tuple[Tensor, Tensor, Tensor]:
-        """Offsets (B, Q, k, 3), weights (B, Q, k, heads), features (B, Q, k, 3, C)."""
-        count = min(self.config.query_neighbours, code.anchors.shape[1])
-        squares, near = nearest(points, code.anchors, count)
-        offsets = points[:, :, None] - gather(code.anchors, near)
-        distance = (squares + TINY).sqrt()
+        """Offsets (B, Q, k, 3), weights (B, Q, k, HEADS), features (B, Q, k, 3, C)."""
+        here = code.anchors.shape[1]
+        squares, near = nearest(points, code.anchors, min(self.config.query_neighbours, here))
+        far = torch.arange(min(self.config.outlook, here), device=points.device)
+        far = far.expand(*near.shape[:2], -1)
+        anchors = gather(code.anchors, torch.cat([near, far], dim=-1))
+        offsets = points[:, :, None] - anchors
+        weights = self._weights(squares, offsets[:, :, near.shape[-1] :].square().sum(-1))
+        distance = (offsets.square().sum(-1, keepdim=True) + TINY).sqrt()
+        edges = offsets * (self._compress(distance) / distance)
+        return edges, weights, gather(code.features, torch.cat([near, far], dim=-1))
+
+    def _weights(self, near: Tensor, far: Tensor) -> Tensor:
+        """Squared distances (B, Q, k) and (B, Q, outlook) -> weights (B, Q, k + outlook, HEADS).
+
+        Those of the nearest anchors add up to 1 at a surface and to less and less away from it:
+        half-way between two fixtures, where all of them change at once, they hardly count.
+        """
+        scale = self.config.length_scale
+        distance = (near + TINY).sqrt()
         # The last neighbour has no weight, so that nothing jumps when neighbours change.
-        window = (1.0 - distance / (distance[..., -1:] + TINY)).clamp(min=0.0)
-        soft = squares + self.config.length_scale**2 / 16
-        weights = torch.stack([window * soft**-power for power in SHARPNESS], dim=-1)
-        weights = weights / (weights.sum(dim=2, keepdim=True) + TINY)
-        shrunk = self._compress(distance) / distance
-        return offsets * shrunk[..., None], weights, gather(code.features, near)
+        window = (1.0 - distance / (distance[..., -1:] + scale / 100)).clamp(min=0.0)
+        soft = near + scale**2 / 16
+        close = torch.stack([window * soft**-power for power in SHARPNESS], dim=-1)
+        close = close / close.sum(dim=2, keepdim=True).clamp(min=torch.finfo(near.dtype).tiny)
+        close = close * (scale / (scale + distance[..., :1, None])) ** 2
+        away = (far.amin(dim=-1, keepdim=True) + TINY).sqrt()
+        width = self.config.outlook_scale + self.config.outlook_growth * away
+        wide = torch.softmax(-0.5 * far / width**2, dim=-1)
+        return torch.cat(
+            [functional.pad(close, (0, 1)), functional.pad(wide[..., None], (len(SHARPNESS), 0))],
+            dim=2,
+        )
 
     def _compress(self, metres: Tensor) -> Tensor:
         return torch.log1p(metres.clamp(min=0.0) / self.config.length_scale)
 
     def _gather_scalars(self, edges: Tensor, features: Tensor, weights: Tensor) -> Tensor:
-        """What each neighbour says, (B, Q, heads * edge_width)."""
+        """What each neighbour says, (B, Q, HEADS * edge_width)."""
         along = (features * edges[..., None]).sum(-2)
         inputs = [along, features[..., 2, :], edges[..., 2:], edges.norm(dim=-1, keepdim=True)]
         said = self.edge(torch.cat(inputs, dim=-1))
         return torch.einsum("bqkh,bqkw->bqhw", weights, said).flatten(-2)
 
     def _gather_vectors(self, edges: Tensor, features: Tensor, weights: Tensor) -> Tensor:
-        """(B, Q, 3, heads * (C + 1))."""
+        """(B, Q, 3, HEADS * (C + 1))."""
         both = torch.cat([features, edges[..., None]], dim=-1)
         return torch.einsum("bqkh,bqkvc->bqvhc", weights, both).flatten(-2)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from icd_envs.api import Float32Array, FloatArray
-from icd_envs.geometry.sdf import BoxUnion
 
 NEAR = 0.5
 """Share of the queries near surfaces."""
@@ -19,6 +18,20 @@ OBJECT_SPREAD = 0.01
 """[m] of noise on the object's places."""
 SURROUNDINGS = 0.25
 """[m] around the scene's cloud that queries are spread over."""
+BESIDE = 0.08
+"""[m] largest distance between a query and its companion."""
+
+
+class Solid(Protocol):
+    """What stands in a scene; ``BoxUnion`` and ``MeshSolid`` are."""
+
+    def __call__(self, points: FloatArray) -> FloatArray:
+        """Signed distance (M,) [m] of points (M, 3) [m], negative inside."""
+        ...
+
+    def gradient(self, points: FloatArray) -> FloatArray:
+        """(M, 3) unit vectors in which the signed distance of points (M, 3) [m] grows."""
+        ...
 
 
 class Targets(NamedTuple):
@@ -61,7 +74,16 @@ def draw_queries(
     return np.concatenate(parts).astype(np.float32)
 
 
-def supervise(points: Float32Array, solid: BoxUnion) -> Targets:
+def draw_companions(points: FloatArray, rng: np.random.Generator) -> Float32Array:
+    """A point near each of the points (Q, 3) [m], at most ``BESIDE`` away: (Q, 3) float32 [m]."""
+    offset = rng.normal(size=points.shape)
+    offset *= rng.uniform(0.0, BESIDE, (len(points), 1)) / np.linalg.norm(
+        offset, axis=1, keepdims=True
+    )
+    return (points + offset).astype(np.float32)
+
+
+def supervise(points: Float32Array, solid: Solid) -> Targets:
     """The truth about points (Q, 3) [m], from the exact solids of the scene."""
     return Targets(
         points,

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from icd_agent.chain import PointSpace, Subgoals
+from icd_agent.chain import Placed, PointSpace, Subgoals
 from icd_agent.mppi.presets import preset
 from icd_agent.plan_info import BEST, PlanInfo
 from icd_agent.tracking import SubgoalTracker
@@ -24,7 +24,7 @@ class Source:
     def __init__(self, *, drawable: bool) -> None:
         self._drawable = drawable
 
-    def chain(self, episode: Episode, observation: Observation) -> Subgoals:
+    def chain(self, episode: Episode, observation: Observation, space: Placed) -> Subgoals:
         return Subgoals(CHAIN, CHAIN if self._drawable else None)
 
 

@@ -3,8 +3,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from icd_agent.chain import GoalSource, PointSpace, SubgoalChain
-from icd_envs.api import Float64Array, FloatArray
+from icd_agent.chain import CostSpace, GoalSource, Placed, PointSpace, Spacing, SubgoalChain
+from icd_envs.api import Float64Array, Observation
 from icd_envs.errors import InvalidOptionError
 from tests.agent.toy_world import ToyWorld
 
@@ -82,6 +82,19 @@ def test_progress_restores_patience() -> None:
     assert indices == [0, 0, 1, 1, 1, 2, 2]
 
 
+@pytest.mark.parametrize(("spacing", "index"), [("median", 3), ("own", 4)])
+def test_subgoals_that_lie_apart_may_be_reached_from_farther_away(
+    spacing: Spacing, index: int
+) -> None:
+    subgoals = clouds(0, 1, 2, 3, 13, 14)
+    chain = SubgoalChain(subgoals, threshold=0.5, window=1, spacing=spacing)
+    for x in (0, 1, 2, 3):
+        chain.advance(clouds(x)[0])
+    assert chain.index == 4
+    chain.advance(clouds(9)[0])
+    assert chain.index == index + 1
+
+
 def test_chain_keeps_its_own_copy() -> None:
     subgoals = clouds(0, 1).astype(np.float32)
     chain = SubgoalChain(subgoals)
@@ -96,19 +109,21 @@ def test_unusable_chain_is_refused(bad: Float64Array) -> None:
 
 
 class Norms:
-    """A space that is not made of points."""
+    """A space that is not made of points, in which the goal's scene differs."""
 
-    def features(self, points: FloatArray) -> FloatArray:
-        return np.linalg.norm(points, axis=-1, keepdims=True)
+    def place(self, observation: Observation) -> Placed:
+        return Placed(
+            lambda points: np.linalg.norm(points, axis=-1, keepdims=True),
+            lambda points: 2.0 * np.linalg.norm(points, axis=-1, keepdims=True),
+        )
 
 
 @pytest.mark.parametrize("space", [PointSpace(), Norms()])
-def test_goal_is_a_chain_of_one_that_can_be_drawn_whatever_the_space(
-    space: PointSpace | Norms,
-) -> None:
+def test_goal_is_a_chain_of_one_that_can_be_drawn_whatever_the_space(space: CostSpace) -> None:
     world = ToyWorld()
     observation = world.observation()
-    chain = GoalSource(space).chain(world.episode(), observation)
+    placed = space.place(observation)
+    chain = GoalSource().chain(world.episode(), observation, placed)
     goal = observation["desired_goal"]
-    np.testing.assert_array_equal(chain.features, space.features(goal)[None])
+    np.testing.assert_array_equal(chain.features, placed.goal(goal)[None])
     np.testing.assert_array_equal(chain.clouds, goal[None])

@@ -5,7 +5,7 @@ import copy
 import numpy as np
 import pytest
 
-from icd_agent.chain import GoalSource, PointSpace, Subgoals
+from icd_agent.chain import GoalSource, Placed, PointSpace, Subgoals
 from icd_agent.mppi.presets import preset
 from icd_agent.tracking import SubgoalTracker, TrackerConfig
 from icd_envs.api import Agent, Episode, Float64Array, FloatArray, Observation
@@ -21,14 +21,13 @@ class Waypoints:
     def __init__(self, *positions: tuple[float, float, float]) -> None:
         self._positions = np.array(positions)
 
-    def chain(self, episode: Episode, observation: Observation) -> Subgoals:
+    def chain(self, episode: Episode, observation: Observation, space: Placed) -> Subgoals:
         clouds = cloud_at(self._positions)
         return Subgoals(clouds, clouds)
 
 
 def goal_tracker(config: TrackerConfig | None = None) -> SubgoalTracker:
-    space = PointSpace()
-    return SubgoalTracker(GoalSource(space), space, preset("paper"), config)
+    return SubgoalTracker(GoalSource(), PointSpace(), preset("paper"), config)
 
 
 def drive(tracker: SubgoalTracker, world: ToyWorld, steps: int, seed: int = 0) -> Float64Array:

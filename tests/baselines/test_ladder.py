@@ -1,10 +1,13 @@
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Literal
+
 import numpy as np
 import pytest
 
 from baselines.ladder import OracleSource, make_oracle_points
-from icd_agent.chain import PointSpace
+from icd_agent.chain import Placed, PointSpace
 from icd_agent.mppi.presets import PAPER
 from icd_envs.api import Oracle
 from icd_envs.errors import InvalidOptionError
@@ -22,11 +25,26 @@ def expert(steps: int) -> Oracle:
 @pytest.mark.parametrize(("steps", "kept"), [(60, 7), (65, 8), (4, 2), (0, 1)])
 def test_chain_is_every_tenth_state_and_the_last_once(steps: int, kept: int) -> None:
     world, oracle = ToyWorld(), expert(steps)
-    chain, clouds = OracleSource(PointSpace()).chain(world.episode(oracle), world.observation())
+    observation = world.observation()
+    space = PointSpace().place(observation)
+    chain, clouds = OracleSource().chain(world.episode(oracle), observation, space)
     assert len(chain) == kept
     np.testing.assert_array_equal(clouds, chain)
     np.testing.assert_array_equal(chain[-1], oracle.points[-1])
     np.testing.assert_array_equal(chain[:-1], oracle.points[:steps:10][: kept - 1])
+
+
+@pytest.mark.parametrize(("scene", "factor"), [("present", 1.0), ("goal", 2.0)])
+def test_each_solution_is_seen_in_its_own_scene(
+    scene: Literal["present", "goal"], factor: float
+) -> None:
+    world, oracle, goal_oracle = ToyWorld(), expert(20), expert(40)
+    episode = replace(world.episode(oracle), goal_oracle=goal_oracle)
+    space = Placed(lambda points: 1.0 * points, lambda points: 2.0 * points)
+    chain, clouds = OracleSource(scene).chain(episode, world.observation(), space)
+    assert len(chain) == (3 if scene == "present" else 5)
+    assert clouds is not None
+    np.testing.assert_array_equal(chain, factor * clouds)
 
 
 def test_oracle_points_follow_the_expert_round_the_detour() -> None:

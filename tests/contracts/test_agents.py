@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 
 from benchmarks.registry import AGENTS, Offer, make_agent
+from icd_agent.field.baked import BakeConfig
+from icd_agent.field.space import FieldSpace
 from icd_agent.tracking import SubgoalTracker
 from icd_envs import ENV_IDS
 from icd_envs.api import Agent, Episode, FloatArray, SimState
@@ -35,10 +37,12 @@ def start(env: ContactEnv[Any]) -> SimState:
 
 @pytest.fixture(params=AGENTS)
 def agent(request: pytest.FixtureRequest, env: ContactEnv[Any]) -> Agent:
-    """Every agent, planners with few samples."""
+    """Every agent, planners with few samples and coarse grids."""
     agent = make_agent(request.param, Offer(env.task.env_id))
     if isinstance(agent, SubgoalTracker):
         agent.mppi_config = dataclasses.replace(agent.mppi_config, samples=5, horizon=3)
+        if isinstance(agent.space, FieldSpace):
+            agent.space.bake = BakeConfig(fine=0.05, coarse=0.2)
     return agent
 
 

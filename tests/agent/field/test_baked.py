@@ -67,7 +67,7 @@ def test_linear_functions_are_repeated_at_any_place(scene: np.ndarray) -> None:
 def test_fixtures_are_looked_at_more_closely(scene: np.ndarray) -> None:
     field = KnownField(bent=True)
     baked = bake(field, scene)
-    assert field.asked == baked.rows
+    assert field.asked == baked.evaluated
     near = scene[scene[:, 2] > 0.01][::10]
     far = points_in(scene, 400)
     gap = np.linalg.norm(far[:, None] - near[None], axis=-1).min(axis=1)

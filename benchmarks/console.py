@@ -1,0 +1,32 @@
+"""What all commands share: exit codes, options, and how errors are said. Imports nothing heavy."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Annotated
+
+import typer
+
+FINE, FAILED_EPISODES, USAGE, INCOMPATIBLE = 0, 1, 2, 3
+
+Values = dict[str, int | float | str]
+"""What a command found out, by name."""
+
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON, and only JSON, on stdout.")]
+
+
+@contextmanager
+def errors_in_one_line() -> Iterator[None]:
+    """Say what our errors and warnings say, without a traceback, and exit as documented."""
+    from benchmarks.errors import IncompatibleResultsError
+    from icd_envs.errors import IcdError
+
+    warnings.formatwarning = lambda message, *_: f"icd-bench: warning: {message}\n"
+    try:
+        yield
+    except IcdError as error:
+        typer.echo(f"icd-bench: {' '.join(str(error).split())}", err=True)
+        code = INCOMPATIBLE if isinstance(error, IncompatibleResultsError) else USAGE
+        raise typer.Exit(code) from None

@@ -1,0 +1,174 @@
+"""What ``icd-bench diagnose field`` does: the field against the truth, in test scenes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+import torch
+from scipy.spatial.transform import Rotation
+from scipy.stats import kendalltau
+
+from benchmarks.console import Values
+from icd_agent.chain import Features
+from icd_agent.field.baked import BakedField
+from icd_agent.field.field import SceneField
+from icd_agent.field.space import exact_features
+from icd_agent.field.supervision import supervise
+from icd_agent.field.train import KIND, load_field
+from icd_agent.mppi.costs import nearest_subgoal_cost, squared_distance
+from icd_agent.mppi.planner import MPPI
+from icd_agent.mppi.presets import preset
+from icd_agent.weights import shipped_folder
+from icd_envs import ENV_IDS
+from icd_envs.api import Float32Array, Observation, Oracle
+from icd_envs.errors import InvalidOptionError, unknown_name
+from icd_envs.geometry.sdf import BoxUnion
+from icd_envs.tasks.env import ContactEnv
+
+NEAR_SURFACE, NEAR_GRADIENT = 0.03, 0.1
+"""[m] from surfaces, within which occupancy and gradient are judged."""
+POINTS = 20_000
+"""Asked about in every scene."""
+AHEAD = 10
+"""Expert steps from a state to the subgoal that plans are ranked by."""
+FLOOR = 0.003
+"""[m] cloud points above this are of fixtures."""
+
+
+def diagnose(env_id: str, scenes: int, *, seed: int, weights: Path | None) -> Values:
+    """Measure a field in test scenes; every value is the mean over them.
+
+    Args:
+        env_id: which environment.
+        scenes: how many.
+        seed: of the first scene; the others follow.
+        weights: folder of the field; None is the package's.
+
+    Returns:
+        ``occupancy_iou`` within 3 cm of surfaces; ``gradient_cosine`` within 10 cm;
+        ``yaw_invariance``, the largest relative change of a descriptor when scene and point are
+        turned and moved together, and ``roll_sensitivity``, the mean one when they are rolled by
+        90 degrees; ``interpolation_error`` of the baked field where the object is, in units of
+        descriptors, beside ``step_distance``, that of consecutive subgoals; ``kendall_tau``
+        between baked and exact costs of MPPI's samples half-way through the expert's solution;
+        ``progress_correlation``, Kendall's tau between the descriptor distance to the goal and the
+        expert's steps left; ``bake_seconds``.
+
+    Raises:
+        IcdError: unknown environment, missing or damaged weights.
+    """
+    if env_id not in ENV_IDS:
+        raise InvalidOptionError(unknown_name("environment id", env_id, ENV_IDS))
+    field = load_field(shipped_folder(env_id, KIND) if weights is None else weights)
+    env = gym.make(env_id, split="test")
+    unwrapped = env.unwrapped
+    assert isinstance(unwrapped, ContactEnv)
+    found: list[dict[str, float]] = []
+    try:
+        for i in range(scenes):
+            observation, _ = env.reset(seed=seed + i)
+            episode = unwrapped.episode(oracle=True)
+            assert episode.oracle is not None
+            rng = np.random.default_rng([seed + i])
+            solid = BoxUnion(unwrapped.task.boxes(episode.oracle.scene))
+            found.append(
+                _truth(field, observation["scene"], solid, rng)
+                | _invariance(field, observation["scene"], rng)
+                | _planning(field, observation, episode.oracle, unwrapped, rng)
+            )
+    finally:
+        env.close()
+    values: Values = {"scenes": scenes}
+    for name in found[0]:
+        worst = max if name == "yaw_invariance" else np.mean
+        values[name] = float(worst([each[name] for each in found]))
+    return values
+
+
+def _truth(
+    field: SceneField, scene: Float32Array, solid: BoxUnion, rng: np.random.Generator
+) -> dict[str, float]:
+    code_and_points = {}
+    for reach in (NEAR_SURFACE, NEAR_GRADIENT):
+        points = rng.choice(scene[scene[:, 2] > FLOOR], POINTS)
+        points = points + rng.uniform(-reach, reach, points.shape).astype(np.float32)
+        truth = supervise(points, solid)
+        kept = (np.abs(truth.distance) < reach) & (points[:, 2] > 0.0)
+        with torch.no_grad():
+            out = field(torch.from_numpy(scene)[None], torch.from_numpy(points[kept])[None])
+        code_and_points[reach] = (out, truth.distance[kept], truth.gradient[kept])
+    out, distance, _ = code_and_points[NEAR_SURFACE]
+    said, inside = out.occupancy[0].numpy() > 0, distance < 0
+    iou = np.count_nonzero(said & inside) / np.count_nonzero(said | inside)
+    out, _, gradient = code_and_points[NEAR_GRADIENT]
+    found = out.gradient[0].numpy()
+    cosine = (found * gradient).sum(-1) / np.linalg.norm(found, axis=-1)
+    return {"occupancy_iou": float(iou), "gradient_cosine": float(cosine.mean())}
+
+
+def _invariance(
+    field: SceneField, scene: Float32Array, rng: np.random.Generator
+) -> dict[str, float]:
+    points = rng.choice(scene, 1000) + rng.normal(0.0, 0.05, (1000, 3))
+    yaw = Rotation.from_euler("z", rng.uniform(-np.pi, np.pi))
+    shift = np.append(rng.uniform(-1.0, 1.0, 2), 0.0)
+    roll = Rotation.from_euler("x", np.pi / 2)
+
+    def descriptors(turn: Rotation, move: np.ndarray) -> np.ndarray:
+        features = exact_features(field, turn.apply(scene) + move)
+        return np.asarray(features(turn.apply(points) + move), np.float64)
+
+    before = descriptors(Rotation.identity(), np.zeros(3))
+    size = float(np.sqrt(np.square(before - before.mean(axis=0)).sum(-1).mean()))
+    yawed = np.linalg.norm(descriptors(yaw, shift) - before, axis=-1) / size
+    rolled = np.linalg.norm(descriptors(roll, np.zeros(3)) - before, axis=-1) / size
+    return {"yaw_invariance": float(yawed.max()), "roll_sensitivity": float(rolled.mean())}
+
+
+def _planning(
+    field: SceneField,
+    observation: Observation,
+    oracle: Oracle,
+    env: ContactEnv[Any],
+    rng: np.random.Generator,
+) -> dict[str, float]:
+    scene = observation["scene"]
+    before = perf_counter()
+    places = np.concatenate([observation["achieved_goal"], observation["desired_goal"]])
+    baked = BakedField(field, scene, places).features
+    seconds = perf_counter() - before
+    exact = exact_features(field, scene)
+    chain = exact(oracle.points[::AHEAD])
+    steps = np.sqrt(np.square(np.diff(chain, axis=0)).sum(-1).mean(-1))
+    error = np.sqrt(np.square(baked(oracle.points[::AHEAD]) - chain).sum(-1).mean())
+    to_goal = np.square(chain - chain[-1]).sum(-1).mean(-1)
+    return {
+        "interpolation_error": float(error),
+        "step_distance": float(np.median(steps)),
+        "progress_correlation": float(kendalltau(-np.arange(len(to_goal)), to_goal).statistic),
+        "kendall_tau": _ranking(baked, exact, oracle, env, rng),
+        "bake_seconds": seconds,
+    }
+
+
+def _ranking(
+    baked: Features, exact: Features, oracle: Oracle, env: ContactEnv[Any], rng: np.random.Generator
+) -> float:
+    """Kendall's tau between the costs of MPPI's samples in both."""
+    half = len(oracle.actions) // 2
+    for action in oracle.actions[:half]:
+        env.step(action)
+    episode = env.episode(simulator=True)
+    assert episode.simulator is not None
+    actions = MPPI(preset("improved"), episode.action_scale).sample(rng)
+    rollout = episode.simulator.rollout(episode.simulator.snapshot(), actions)
+    subgoal = exact(oracle.points[None, min(half + AHEAD, len(oracle.points) - 1)])
+    costs = [
+        nearest_subgoal_cost(squared_distance(features(rollout.points), subgoal))[~rollout.diverged]
+        for features in (baked, exact)
+    ]
+    return float(kendalltau(*costs).statistic)

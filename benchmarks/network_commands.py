@@ -1,0 +1,95 @@
+"""``icd-bench train``, ``diagnose`` and ``render``: the networks that methods are made of."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated, Final, Literal
+
+import typer
+
+from benchmarks.console import AsJson, errors_in_one_line
+
+GROUPS: Final = {
+    "train": typer.Typer(help="Train a network from recorded demonstrations."),
+    "diagnose": typer.Typer(help="Measure a network in test scenes."),
+    "render": typer.Typer(help="Draw what a network has learned."),
+}
+Env = Annotated[str, typer.Option(help="Environment id.")]
+Weights = Annotated[
+    Path | None,
+    typer.Option(help="Folder of a trained network.", show_default="those of the package"),
+]
+Seed = Annotated[int, typer.Option(min=0, help="Of every draw.")]
+
+
+@GROUPS["train"].callback()
+@GROUPS["diagnose"].callback()
+@GROUPS["render"].callback()
+def _group() -> None:
+    """Make Typer keep the name of a group's only command."""
+
+
+@GROUPS["train"].command("field")
+def train_field(
+    env: Env,
+    data: Annotated[Path, typer.Option(help="Folder that icd-bench collect has filled.")],
+    out: Annotated[Path, typer.Option(help="Folder of the run; a killed one goes on.")],
+    device: Annotated[str, typer.Option(help="cpu, or cuda.")] = "cpu",
+    steps: Annotated[int, typer.Option(min=1, help="Optimiser steps.")] = 3000,
+    scenes: Annotated[int, typer.Option(min=1, help="Episodes whose scenes are used.")] = 1500,
+    seed: Seed = 0,
+    scope: Annotated[
+        Literal["local", "global"], typer.Option(help="global: one code for the whole scene.")
+    ] = "local",
+    outlook: Annotated[int, typer.Option(min=1, help="Anchors that a point looks out to.")] = 16,
+    outlook_scale: Annotated[
+        float, typer.Option(help="Metres that it looks out at a surface: the size of fixtures.")
+    ] = 0.04,
+    as_json: AsJson = False,
+) -> None:
+    """Train the scene descriptor field."""
+    with errors_in_one_line():
+        from benchmarks.tables import print_values
+        from benchmarks.train_field import field_config, train
+
+        config = field_config(scope, outlook=outlook, outlook_scale=outlook_scale)
+        values = train(env, data, out, config, device=device, steps=steps, scenes=scenes, seed=seed)
+    if as_json:
+        typer.echo(json.dumps(values))
+    else:
+        print_values(values)
+
+
+@GROUPS["diagnose"].command("field")
+def diagnose_field(
+    env: Env,
+    scenes: Annotated[int, typer.Option(min=1, help="Test scenes.")] = 10,
+    seed: Seed = 0,
+    weights: Weights = None,
+    as_json: AsJson = False,
+) -> None:
+    """Measure the scene descriptor field: truth, invariance, interpolation, ranking of plans."""
+    with errors_in_one_line():
+        from benchmarks.diagnose_field import diagnose
+        from benchmarks.tables import print_values
+
+        values = diagnose(env, scenes, seed=seed, weights=weights)
+    if as_json:
+        typer.echo(json.dumps(values))
+    else:
+        print_values(values)
+
+
+@GROUPS["render"].command("field")
+def render_field(
+    env: Env,
+    out: Annotated[Path, typer.Option(help="PNG file to write.")],
+    seed: Seed = 0,
+    weights: Weights = None,
+) -> None:
+    """Draw slices of the field, its gradients, and the object coloured by descriptor."""
+    with errors_in_one_line():
+        from benchmarks.render_field import render
+
+        render(env, out, seed=seed, weights=weights)

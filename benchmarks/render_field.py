@@ -1,0 +1,161 @@
+"""What ``icd-bench render field`` does: slices of the field, and the object in two scenes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import gymnasium as gym
+import numpy as np
+import torch
+
+from icd_agent.field.field import FieldOutput, SceneField
+from icd_agent.field.train import KIND, load_field
+from icd_agent.weights import shipped_folder
+from icd_envs import ENV_IDS
+from icd_envs.api import Float32Array, FloatArray
+from icd_envs.errors import InvalidOptionError, unknown_name
+from icd_envs.tasks.env import ContactEnv
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from mpl_toolkits.mplot3d.axes3d import Axes3D
+
+SPACING: Final = 0.004
+"""[m] between the pixels of a slice."""
+ARROWS: Final = 8
+"""Pixels between arrows."""
+MARGIN: Final = 0.08
+"""[m] around the fixtures that a slice shows."""
+FLOOR: Final = 0.003
+"""[m] cloud points above this are of fixtures."""
+CHUNK: Final = 8192
+
+
+class _Scene(NamedTuple):
+    """A test scene: its cloud (M, 3) and the expert's object clouds (T, N, 3), [m]."""
+
+    cloud: Float32Array
+    states: Float32Array
+
+    @property
+    def fixtures(self) -> Float32Array:
+        return self.cloud[self.cloud[:, 2] > FLOOR]
+
+
+class _Colours:
+    """Colours of descriptors: their first three principal components as red, green and blue."""
+
+    def __init__(self, descriptors: FloatArray) -> None:
+        self._mean = descriptors.mean(axis=0)
+        _, _, axes = np.linalg.svd(descriptors - self._mean, full_matrices=False)
+        self._axes = axes[:3].T
+        shown = (descriptors - self._mean) @ self._axes
+        self._low, self._high = np.quantile(shown, [0.02, 0.98], axis=0)
+
+    def __call__(self, descriptors: FloatArray) -> FloatArray:
+        shown = (descriptors - self._mean) @ self._axes
+        return np.asarray(np.clip((shown - self._low) / (self._high - self._low), 0.0, 1.0))
+
+
+def render(env_id: str, out: Path, *, seed: int, weights: Path | None) -> None:
+    """Draw the field of two test scenes into one picture.
+
+    Args:
+        env_id: which environment.
+        out: PNG file.
+        seed: of the first scene; the second follows.
+        weights: folder of the field; None is the package's.
+
+    Raises:
+        InvalidOptionError: unknown environment, a file that is no PNG, or no Matplotlib.
+        CheckpointError: missing or damaged weights.
+    """
+    if env_id not in ENV_IDS:
+        raise InvalidOptionError(unknown_name("environment id", env_id, ENV_IDS))
+    if out.suffix != ".png":
+        raise InvalidOptionError(f"out={str(out)!r} cannot be used: give a name that ends in .png")
+    try:
+        from matplotlib.figure import Figure
+    except ImportError as error:
+        raise InvalidOptionError(
+            "pictures of fields need Matplotlib: pip install 'implicit-contact-diffuser[figures]'"
+        ) from error
+    field = load_field(shipped_folder(env_id, KIND) if weights is None else weights)
+    scenes = _draw_scenes(env_id, seed)
+    objects = [_ask(field, scene.cloud, scene.states[::10].reshape(-1, 3)) for scene in scenes]
+    colours = _Colours(np.concatenate([found.descriptor[0].numpy() for found in objects]))
+    figure = Figure(figsize=(13, 10), dpi=110, layout="constrained")
+    for place, upright in ((1, False), (2, True)):
+        _draw_slice(figure.add_subplot(2, 2, place), field, scenes[0], colours, upright=upright)
+    for place, scene, name in zip((3, 4), scenes, ("this scene", "another scene"), strict=True):
+        axis = figure.add_subplot(2, 2, place, projection="3d")
+        _draw_object(axis, field, scene, colours, name)
+    figure.suptitle(f"{env_id}: descriptors by their first three principal components")
+    out.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(out)
+
+
+def _draw_scenes(env_id: str, seed: int) -> list[_Scene]:
+    env = gym.make(env_id, split="test")
+    unwrapped = env.unwrapped
+    assert isinstance(unwrapped, ContactEnv)
+    scenes = []
+    try:
+        for i in (seed, seed + 1):
+            observation, _ = env.reset(seed=i)
+            oracle = unwrapped.episode(oracle=True).oracle
+            assert oracle is not None
+            scenes.append(_Scene(observation["scene"], oracle.points))
+    finally:
+        env.close()
+    return scenes
+
+
+def _ask(field: SceneField, cloud: Float32Array, points: FloatArray) -> FieldOutput:
+    with torch.no_grad():
+        code = field.encoder(torch.from_numpy(cloud)[None])
+        flat = torch.from_numpy(np.ascontiguousarray(points, np.float32))
+        parts = [field.query(code, chunk[None]) for chunk in torch.split(flat, CHUNK)]
+    return FieldOutput(*(torch.cat(part, dim=1) for part in zip(*parts, strict=True)))
+
+
+def _draw_slice(
+    axis: Axes, field: SceneField, scene: _Scene, colours: _Colours, *, upright: bool
+) -> None:
+    """A level slice through the middle of the lowest fixture, or an upright one along x."""
+    low, high = scene.fixtures.min(axis=0) - MARGIN, scene.fixtures.max(axis=0) + MARGIN
+    across, fixed = (2, 1) if upright else (1, 2)
+    middle = float(np.median(scene.fixtures[:, fixed]))
+    low[2] = max(low[2], 0.0)
+    u = np.arange(low[0], high[0], SPACING)
+    v = np.arange(low[across], high[across], SPACING)
+    points = np.full((len(v), len(u), 3), middle, np.float32)
+    points[..., 0], points[..., across] = u, v[:, None]
+    found = _ask(field, scene.cloud, points.reshape(-1, 3))
+    picture = colours(found.descriptor[0].numpy()).reshape(len(v), len(u), 3)
+    extent = (float(u[0]), float(u[-1]), float(v[0]), float(v[-1]))
+    axis.imshow(picture, origin="lower", extent=extent, aspect="equal")
+    inside = found.occupancy[0].numpy().reshape(len(v), len(u))
+    axis.contour(u, v, inside, levels=[0.0], colors="black", linewidths=1.2)
+    gradient = found.gradient[0].numpy().reshape(len(v), len(u), 3)[::ARROWS, ::ARROWS]
+    axis.quiver(
+        u[::ARROWS], v[::ARROWS], gradient[..., 0], gradient[..., across], color="white",
+        scale=45, width=0.002,
+    )  # fmt: skip
+    axis.set_title(f"slice at {'y' if upright else 'z'} = {middle:.2f} m; surface, gradient")
+    axis.set_xlabel("x [m]")
+    axis.set_ylabel(f"{'z' if upright else 'y'} [m]")
+
+
+def _draw_object(
+    axis: Axes3D, field: SceneField, scene: _Scene, colours: _Colours, name: str
+) -> None:
+    """The object at the goal, among the fixtures."""
+    points = scene.states[-1]
+    shown = colours(_ask(field, scene.cloud, points).descriptor[0].numpy())
+    axis.scatter(*scene.fixtures.T, s=1, color="0.8")
+    axis.scatter(*points.T, s=22, c=shown, depthshade=False)
+    axis.set_aspect("equal")
+    axis.view_init(elev=40, azim=-70)
+    axis.set_title(f"the object at its goal, {name}")

@@ -1,0 +1,39 @@
+"""Weights that come with the package."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from types import MappingProxyType
+from typing import Final
+
+from icd_envs.errors import CheckpointError, unknown_name
+
+FOLDER: Final = Path(__file__).parent / "shipped"
+
+TRAINED_FOR: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        "ICDCableRouting-v0": "cable-routing",
+        "ICDCableRoutingAdaptation-v0": "cable-routing",
+        "ICDNotebookFolding-v0": "notebook-folding",
+        "ICDNotebookFoldingAdaptation-v0": "notebook-folding",
+    }
+)
+"""Name of each environment's weights; an adaptation task shares those of its task."""
+
+
+def shipped_folder(env_id: str, kind: str) -> Path:
+    """Where the weights of one network for one environment are.
+
+    Args:
+        env_id: id of the environment; a ``module:`` prefix names the same task and is ignored.
+        kind: of network, e.g. ``field``.
+
+    Raises:
+        CheckpointError: none are shipped for this environment.
+    """
+    name = env_id.rpartition(":")[2]
+    if name not in TRAINED_FOR:
+        known = unknown_name("environment with shipped weights:", env_id, TRAINED_FOR)
+        raise CheckpointError(f"{known}; train weights for it: icd-bench train --help")
+    return FOLDER / TRAINED_FOR[name] / kind

@@ -1,0 +1,115 @@
+"""``icd-bench train field``, ``diagnose field`` and ``render field``."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from icd_agent.checkpoints import save_checkpoint
+from tests.agent.field.small import SMALL, small_field
+from tests.bench.test_cli import icd_bench
+from tests.envs.making import CABLE
+
+DIAGNOSED = {
+    "occupancy_iou",
+    "gradient_cosine",
+    "yaw_invariance",
+    "roll_sensitivity",
+    "kendall_tau",
+    "bake_seconds",
+    "interpolation_error",
+    "step_distance",
+    "progress_correlation",
+    "scenes",
+}
+
+
+@pytest.fixture(scope="module")
+def data(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("demonstrations") / "cable"
+    collect = ("collect", "--env", CABLE, "--episodes", 2, "--steps", 5, "--out", out)
+    assert icd_bench(*collect).exit_code == 0
+    return out
+
+
+@pytest.fixture(scope="module")
+def weights(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("field")
+    save_checkpoint(folder, "field", small_field(), SMALL, {})
+    return folder
+
+
+@pytest.mark.parametrize("scope", ["local", "global"])
+def test_field_is_trained_from_demonstrations_and_goes_on(
+    data: Path, tmp_path: Path, scope: str
+) -> None:
+    train = ("train", "field", "--env", CABLE, "--data", data, "--steps", 3, "--scope", scope)
+    trained = icd_bench(*train, "--out", tmp_path, "--json")
+    assert trained.exit_code == 0, trained.stderr
+    values = json.loads(trained.stdout)
+    assert values["scenes"] == 2
+    assert values["loss"] > 0
+    assert "3/3 steps" in trained.stderr
+    config = json.loads((tmp_path / "config.json").read_text())
+    assert config["config"]["scope"] == scope
+    assert config["about"]["data"]["env"] == CABLE
+    before = (tmp_path / "model.safetensors").read_bytes()
+    assert icd_bench(*train, "--out", tmp_path).exit_code == 0
+    assert (tmp_path / "model.safetensors").read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--env", "ICDNotebookFolding-v0"), "holds demonstrations of ICDCableRouting-v0"),
+        (("--env", CABLE, "--device", "cuda:99"), "device='cuda:99' cannot be used"),
+    ],
+)
+def test_training_refuses_in_one_line(
+    data: Path, tmp_path: Path, arguments: tuple[str, ...], message: str
+) -> None:
+    out = tmp_path / "out"
+    refused = icd_bench("train", "field", *arguments, "--data", data, "--out", out)
+    assert refused.exit_code == 2
+    assert message in refused.stderr
+    assert not out.exists()
+
+
+def test_diagnosis_has_every_value_of_its_promise(weights: Path) -> None:
+    command = ("diagnose", "field", "--env", CABLE, "--scenes", 1, "--weights", weights)
+    found = icd_bench(*command, "--json")
+    assert found.exit_code == 0, found.stderr
+    values = json.loads(found.stdout)
+    assert values.keys() == DIAGNOSED
+    # Laws of the network, which hold for any weights.
+    assert values["yaw_invariance"] < 1e-3
+    assert values["roll_sensitivity"] > 0.05
+    assert 0 <= values["occupancy_iou"] <= 1
+    assert -1 <= values["gradient_cosine"] <= 1
+
+
+def test_picture_is_drawn(weights: Path, tmp_path: Path) -> None:
+    out = tmp_path / "new" / "field.png"
+    drawn = icd_bench("render", "field", "--env", CABLE, "--weights", weights, "--out", out)
+    assert drawn.exit_code == 0, drawn.stderr
+    with Image.open(out) as picture:
+        assert picture.width > 1000
+        assert len(set(picture.convert("RGB").resize((64, 64)).getdata())) > 100
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("diagnose", "field", "--env", "ICDCable"), "did you mean"),
+        (("render", "field", "--env", CABLE, "--out", "field.jpg"), "ends in .png"),
+        (("diagnose", "field", "--env", CABLE, "--weights", "nowhere"), "cannot read nowhere"),
+    ],
+)
+def test_usage_errors_exit_2_in_one_line(arguments: tuple[str, ...], message: str) -> None:
+    refused = icd_bench(*arguments)
+    assert refused.exit_code == 2
+    assert message in refused.stderr
+    assert len(refused.stderr.strip().splitlines()) == 1
