@@ -74,13 +74,13 @@ def make_transferred_points() -> SubgoalTracker:
 
 def make_oracle_descriptors(env_id: str) -> SubgoalTracker:
     """Build rung 2: oracle subgoals, distances in descriptors; what fails here is the field."""
-    return SubgoalTracker(OracleSource(), _descriptors(env_id), preset("improved"), BY_CONTACT)
+    return SubgoalTracker(OracleSource(), _descriptors(env_id), preset("adaptive"), BY_CONTACT)
 
 
 def make_transferred_descriptors(env_id: str) -> SubgoalTracker:
     """Build rung 2 of the adaptation tasks: descriptors of the solution of the goal's scene."""
     space = _descriptors(env_id)
-    return SubgoalTracker(OracleSource("goal"), space, preset("improved"), BY_CONTACT)
+    return SubgoalTracker(OracleSource("goal"), space, preset("adaptive"), BY_CONTACT)
 
 
 def _descriptors(env_id: str) -> CostSpace:

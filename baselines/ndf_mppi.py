@@ -11,7 +11,6 @@ from icd_agent.tracking import SubgoalTracker
 def make_ndf_mppi(env_id: str) -> SubgoalTracker:
     """Build the paper's baseline NDF-MPPI.
 
-    The temperature follows the costs: the paper's number is for a descriptor whose scale it does
-    not give.
+    The temperature follows the costs; everything else is the paper's.
     """
-    return SubgoalTracker(GoalSource(), FieldSpace.shipped(env_id), preset("improved"))
+    return SubgoalTracker(GoalSource(), FieldSpace.shipped(env_id), preset("adaptive"))

@@ -164,7 +164,7 @@ def _ranking(
         env.step(action)
     episode = env.episode(simulator=True)
     assert episode.simulator is not None
-    actions = MPPI(preset("improved"), episode.action_scale).sample(rng)
+    actions = MPPI(preset("adaptive"), episode.action_scale).sample(rng)
     rollout = episode.simulator.rollout(episode.simulator.snapshot(), actions)
     subgoal = exact(oracle.points[None, min(half + AHEAD, len(oracle.points) - 1)])
     costs = [

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from types import MappingProxyType
 from typing import Final
 
@@ -13,6 +14,10 @@ PAPER: Final = MPPIConfig(
     samples=80, horizon=10, variance=0.001, temperature=0.005, noise="white", control_cost=True
 )
 """The paper's section on tracking: K = 80, H = 10, noise 0.001, temperature 0.005."""
+
+ADAPTIVE: Final = replace(PAPER, temperature="adaptive", control_cost=False)
+"""The same for costs of any scale, such as distances between descriptors: the paper gives one
+temperature for spaces whose scales it does not give."""
 
 IMPROVED: Final = MPPIConfig(
     samples=80,
@@ -25,14 +30,16 @@ IMPROVED: Final = MPPIConfig(
 )
 """Same number of rollouts; noise correlated in time reaches two to three times as far."""
 
-PRESETS: Final[Mapping[str, MPPIConfig]] = MappingProxyType({"paper": PAPER, "improved": IMPROVED})
+PRESETS: Final[Mapping[str, MPPIConfig]] = MappingProxyType(
+    {"paper": PAPER, "adaptive": ADAPTIVE, "improved": IMPROVED}
+)
 
 
 def preset(name: str) -> MPPIConfig:
     """Look a preset up by name.
 
     Args:
-        name: "paper" or "improved".
+        name: "paper", "adaptive" or "improved".
 
     Raises:
         InvalidOptionError: for any other name, with the closest known ones.
