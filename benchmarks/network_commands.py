@@ -42,9 +42,11 @@ def train_field(
     scope: Annotated[
         Literal["local", "global"], typer.Option(help="global: one code for the whole scene.")
     ] = "local",
-    outlook: Annotated[int, typer.Option(min=1, help="Anchors that a point looks out to.")] = 16,
+    length_scale: Annotated[
+        float, typer.Option(help="Metres beyond which distances are compressed.")
+    ] = 0.03,
     outlook_scale: Annotated[
-        float, typer.Option(help="Metres that it looks out at a surface: the size of fixtures.")
+        float, typer.Option(help="Metres that a point at a surface looks out: the fixtures' size.")
     ] = 0.04,
     as_json: AsJson = False,
 ) -> None:
@@ -53,7 +55,7 @@ def train_field(
         from benchmarks.tables import print_values
         from benchmarks.train_field import field_config, train
 
-        config = field_config(scope, outlook=outlook, outlook_scale=outlook_scale)
+        config = field_config(scope, length_scale=length_scale, outlook_scale=outlook_scale)
         values = train(env, data, out, config, device=device, steps=steps, scenes=scenes, seed=seed)
     if as_json:
         typer.echo(json.dumps(values))

@@ -20,12 +20,13 @@ GLOBAL_CHANNELS: Final = 48
 
 
 def field_config(
-    scope: Literal["local", "global"], *, outlook: int, outlook_scale: float
+    scope: Literal["local", "global"], *, length_scale: float, outlook_scale: float
 ) -> FieldConfig:
     """Sizes of a field; see ``FieldConfig``."""
-    if scope == "local":
-        return FieldConfig(outlook=outlook, outlook_scale=outlook_scale)
-    return FieldConfig(scope, channels=GLOBAL_CHANNELS)
+    channels = FieldConfig.channels if scope == "local" else GLOBAL_CHANNELS
+    return FieldConfig(
+        scope, channels=channels, length_scale=length_scale, outlook_scale=outlook_scale
+    )
 
 
 def train(
