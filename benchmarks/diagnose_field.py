@@ -6,26 +6,22 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-import gymnasium as gym
 import numpy as np
 import torch
 from scipy.spatial.transform import Rotation
 from scipy.stats import kendalltau
 
 from benchmarks.console import Values
+from benchmarks.fields import field_in_test_scenes
 from icd_agent.chain import Features
 from icd_agent.field.baked import BakedField
 from icd_agent.field.field import SceneField
 from icd_agent.field.space import exact_features
 from icd_agent.field.supervision import supervise
-from icd_agent.field.train import KIND, load_field
 from icd_agent.mppi.costs import nearest_subgoal_cost, squared_distance
 from icd_agent.mppi.planner import MPPI
 from icd_agent.mppi.presets import preset
-from icd_agent.weights import shipped_folder
-from icd_envs import ENV_IDS
 from icd_envs.api import Float32Array, Observation, Oracle
-from icd_envs.errors import InvalidOptionError, unknown_name
 from icd_envs.geometry.sdf import BoxUnion
 from icd_envs.tasks.env import ContactEnv
 
@@ -61,27 +57,19 @@ def diagnose(env_id: str, scenes: int, *, seed: int, weights: Path | None) -> Va
     Raises:
         IcdError: unknown environment, missing or damaged weights.
     """
-    if env_id not in ENV_IDS:
-        raise InvalidOptionError(unknown_name("environment id", env_id, ENV_IDS))
-    field = load_field(shipped_folder(env_id, KIND) if weights is None else weights)
-    env = gym.make(env_id, split="test")
-    unwrapped = env.unwrapped
-    assert isinstance(unwrapped, ContactEnv)
     found: list[dict[str, float]] = []
-    try:
+    with field_in_test_scenes(env_id, weights) as (field, env):
         for i in range(scenes):
             observation, _ = env.reset(seed=seed + i)
-            episode = unwrapped.episode(oracle=True)
-            assert episode.oracle is not None
+            oracle = env.episode(oracle=True).oracle
+            assert oracle is not None
             rng = np.random.default_rng([seed + i])
-            solid = BoxUnion(unwrapped.task.boxes(episode.oracle.scene))
+            solid = BoxUnion(env.task.boxes(oracle.scene))
             found.append(
                 _truth(field, observation["scene"], solid, rng)
                 | _invariance(field, observation["scene"], rng)
-                | _planning(field, observation, episode.oracle, unwrapped, rng)
+                | _planning(field, observation, oracle, env, rng)
             )
-    finally:
-        env.close()
     values: Values = {"scenes": scenes}
     for name in found[0]:
         worst = max if name == "yaw_invariance" else np.mean
@@ -92,7 +80,7 @@ def diagnose(env_id: str, scenes: int, *, seed: int, weights: Path | None) -> Va
 def _truth(
     field: SceneField, scene: Float32Array, solid: BoxUnion, rng: np.random.Generator
 ) -> dict[str, float]:
-    code_and_points = {}
+    answers = {}
     for reach in (NEAR_SURFACE, NEAR_GRADIENT):
         points = rng.choice(scene[scene[:, 2] > FLOOR], POINTS)
         points = points + rng.uniform(-reach, reach, points.shape).astype(np.float32)
@@ -100,11 +88,11 @@ def _truth(
         kept = (np.abs(truth.distance) < reach) & (points[:, 2] > 0.0)
         with torch.no_grad():
             out = field(torch.from_numpy(scene)[None], torch.from_numpy(points[kept])[None])
-        code_and_points[reach] = (out, truth.distance[kept], truth.gradient[kept])
-    out, distance, _ = code_and_points[NEAR_SURFACE]
+        answers[reach] = (out, truth.distance[kept], truth.gradient[kept])
+    out, distance, _ = answers[NEAR_SURFACE]
     said, inside = out.occupancy[0].numpy() > 0, distance < 0
     iou = np.count_nonzero(said & inside) / np.count_nonzero(said | inside)
-    out, _, gradient = code_and_points[NEAR_GRADIENT]
+    out, _, gradient = answers[NEAR_GRADIENT]
     found = out.gradient[0].numpy()
     cosine = (found * gradient).sum(-1) / np.linalg.norm(found, axis=-1)
     return {"occupancy_iou": float(iou), "gradient_cosine": float(cosine.mean())}

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
-import gymnasium as gym
 import numpy as np
 import torch
 
+from benchmarks.fields import field_in_test_scenes
 from icd_agent.field.field import FieldOutput, SceneField
-from icd_agent.field.train import KIND, load_field
-from icd_agent.weights import shipped_folder
-from icd_envs import ENV_IDS
 from icd_envs.api import Float32Array, FloatArray
-from icd_envs.errors import InvalidOptionError, unknown_name
+from icd_envs.errors import InvalidOptionError
 from icd_envs.tasks.env import ContactEnv
 
 if TYPE_CHECKING:
@@ -71,8 +68,6 @@ def render(env_id: str, out: Path, *, seed: int, weights: Path | None) -> None:
         InvalidOptionError: unknown environment, a file that is no PNG, or no Matplotlib.
         CheckpointError: missing or damaged weights.
     """
-    if env_id not in ENV_IDS:
-        raise InvalidOptionError(unknown_name("environment id", env_id, ENV_IDS))
     if out.suffix != ".png":
         raise InvalidOptionError(f"out={str(out)!r} cannot be used: give a name that ends in .png")
     try:
@@ -81,8 +76,8 @@ def render(env_id: str, out: Path, *, seed: int, weights: Path | None) -> None:
         raise InvalidOptionError(
             "pictures of fields need Matplotlib: pip install 'implicit-contact-diffuser[figures]'"
         ) from error
-    field = load_field(shipped_folder(env_id, KIND) if weights is None else weights)
-    scenes = _draw_scenes(env_id, seed)
+    with field_in_test_scenes(env_id, weights) as (field, env):
+        scenes = [_draw_scene(env, i) for i in (seed, seed + 1)]
     objects = [_ask(field, scene.cloud, scene.states[::10].reshape(-1, 3)) for scene in scenes]
     colours = _Colours(np.concatenate([found.descriptor[0].numpy() for found in objects]))
     figure = Figure(figsize=(13, 10), dpi=110, layout="constrained")
@@ -96,20 +91,11 @@ def render(env_id: str, out: Path, *, seed: int, weights: Path | None) -> None:
     figure.savefig(out)
 
 
-def _draw_scenes(env_id: str, seed: int) -> list[_Scene]:
-    env = gym.make(env_id, split="test")
-    unwrapped = env.unwrapped
-    assert isinstance(unwrapped, ContactEnv)
-    scenes = []
-    try:
-        for i in (seed, seed + 1):
-            observation, _ = env.reset(seed=i)
-            oracle = unwrapped.episode(oracle=True).oracle
-            assert oracle is not None
-            scenes.append(_Scene(observation["scene"], oracle.points))
-    finally:
-        env.close()
-    return scenes
+def _draw_scene(env: ContactEnv[Any], seed: int) -> _Scene:
+    observation, _ = env.reset(seed=seed)
+    oracle = env.episode(oracle=True).oracle
+    assert oracle is not None
+    return _Scene(observation["scene"], oracle.points)
 
 
 def _ask(field: SceneField, cloud: Float32Array, points: FloatArray) -> FieldOutput:
