@@ -9,6 +9,7 @@ import numpy as np
 import torch
 
 from benchmarks.fields import field_in_test_scenes
+from icd_agent.field.baked import CHUNK
 from icd_agent.field.field import FieldOutput, SceneField
 from icd_envs.api import Float32Array, FloatArray
 from icd_envs.errors import InvalidOptionError
@@ -26,7 +27,6 @@ MARGIN: Final = 0.08
 """[m] around the fixtures that a slice shows."""
 FLOOR: Final = 0.003
 """[m] cloud points above this are of fixtures."""
-CHUNK: Final = 8192
 
 
 class _Scene(NamedTuple):

@@ -10,7 +10,7 @@ from icd_agent.field.baked import CHUNK, BakeConfig, BakedField
 from icd_agent.field.field import SceneField
 from icd_agent.field.train import KIND, load_field
 from icd_agent.weights import shipped_folder
-from icd_envs.api import BoolArray, Float32Array, FloatArray, Observation
+from icd_envs.api import Float32Array, FloatArray, Observation
 
 
 class FieldSpace:
@@ -46,19 +46,15 @@ class FieldSpace:
         return Placed(here, here if same else exact_features(self._field, goal_scene))
 
 
-def exact_features(
-    field: SceneField, scene: FloatArray, there: BoolArray | None = None
-) -> Features:
-    """Descriptors straight from the network: 2 microseconds a point on a laptop.
+def exact_features(field: SceneField, scene: FloatArray) -> Features:
+    """Descriptors straight from the network: about 20 microseconds a point.
 
     Args:
         field: in evaluation mode.
-        scene: (M, 3) [m] scene cloud, world frame.
-        there: (M,) points that were seen; None is all.
+        scene: (M, 3) [m] scene cloud, world frame, of points that were seen.
     """
-    seen = scene if there is None else scene[there]
     with torch.no_grad():
-        code = field.encoder(torch.from_numpy(np.ascontiguousarray(seen, np.float32))[None])
+        code = field.encoder(torch.from_numpy(np.ascontiguousarray(scene, np.float32))[None])
 
     def features(points: FloatArray) -> Float32Array:
         flat = torch.from_numpy(np.ascontiguousarray(points, np.float32).reshape(-1, 3))
