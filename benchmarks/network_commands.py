@@ -20,6 +20,7 @@ Weights = Annotated[
     Path | None,
     typer.Option(help="Folder of a trained network.", show_default="those of the package"),
 ]
+AS_SHIPPED: Final = "as for the package's weights"
 Seed = Annotated[int, typer.Option(min=0, help="Of every draw.")]
 
 
@@ -36,27 +37,41 @@ def train_field(
     data: Annotated[Path, typer.Option(help="Folder that icd-bench collect has filled.")],
     out: Annotated[Path, typer.Option(help="Folder of the run; a killed one goes on.")],
     device: Annotated[str, typer.Option(help="cpu, or cuda.")] = "cpu",
-    steps: Annotated[int, typer.Option(min=1, help="Optimiser steps.")] = 3000,
+    steps: Annotated[
+        int | None, typer.Option(min=1, help="Optimiser steps.", show_default=AS_SHIPPED)
+    ] = None,
     scenes: Annotated[int, typer.Option(min=1, help="Episodes whose scenes are used.")] = 1500,
     seed: Seed = 0,
     scope: Annotated[
         Literal["local", "global"], typer.Option(help="global: one code for the whole scene.")
     ] = "local",
     length_scale: Annotated[
-        float, typer.Option(help="Metres beyond which distances are compressed.")
-    ] = 0.03,
+        float | None,
+        typer.Option(help="Metres beyond which distances count less.", show_default=AS_SHIPPED),
+    ] = None,
     outlook_scale: Annotated[
-        float, typer.Option(help="Metres that a point at a surface looks out: the fixtures' size.")
-    ] = 0.04,
+        float | None,
+        typer.Option(help="Metres a point at a surface looks out.", show_default=AS_SHIPPED),
+    ] = None,
+    near_spread: Annotated[
+        float | None,
+        typer.Option(help="Metres around surfaces to learn about.", show_default=AS_SHIPPED),
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Train the scene descriptor field."""
     with errors_in_one_line():
         from benchmarks.tables import print_values
-        from benchmarks.train_field import field_config, train
+        from benchmarks.train_field import Scales, scales_of, train
 
-        config = field_config(scope, length_scale=length_scale, outlook_scale=outlook_scale)
-        values = train(env, data, out, config, device=device, steps=steps, scenes=scenes, seed=seed)
+        usual = scales_of(env)
+        scales = Scales(
+            usual.length if length_scale is None else length_scale,
+            usual.outlook if outlook_scale is None else outlook_scale,
+            usual.near if near_spread is None else near_spread,
+            usual.steps if steps is None else steps,
+        )
+        values = train(env, data, out, scope, scales, device=device, scenes=scenes, seed=seed)
     if as_json:
         typer.echo(json.dumps(values))
     else:

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Final, Literal
+from typing import Final, Literal, NamedTuple
 
 from benchmarks.console import Values
 from benchmarks.training_progress import training
 from icd_agent.field.config import FieldConfig
 from icd_agent.field.data import FieldData
+from icd_agent.field.supervision import NEAR_SPREAD
 from icd_agent.field.train import train_field
 from icd_agent.training.config import TrainingConfig
 from icd_agent.training.device import check_device
+from icd_agent.weights import weights_name
 from icd_envs.demonstrations import Demonstrations
 from icd_envs.errors import DemonstrationsError
 
@@ -19,24 +21,39 @@ GLOBAL_CHANNELS: Final = 48
 """One code must hold what many anchors hold otherwise."""
 
 
-def field_config(
-    scope: Literal["local", "global"], *, length_scale: float, outlook_scale: float
-) -> FieldConfig:
-    """Sizes of a field; see ``FieldConfig``."""
-    channels = FieldConfig.channels if scope == "local" else GLOBAL_CHANNELS
-    return FieldConfig(
-        scope, channels=channels, length_scale=length_scale, outlook_scale=outlook_scale
-    )
+class Scales(NamedTuple):
+    """Sizes of what stands in a task's scenes, as the shipped weights were trained.
+
+    Attributes:
+        length: [m] ``FieldConfig.length_scale``.
+        outlook: [m] ``FieldConfig.outlook_scale``.
+        near: [m] ``near_spread`` of ``draw_queries``.
+        steps: optimiser steps.
+    """
+
+    length: float = FieldConfig.length_scale
+    outlook: float = FieldConfig.outlook_scale
+    near: float = NEAR_SPREAD
+    steps: int = 3000
+
+
+SCALES: Final = {"notebook-folding": Scales(0.2, 0.15, 0.05, 4000)}
+"""Of the tasks whose fixtures are larger than a clip."""
+
+
+def scales_of(env_id: str) -> Scales:
+    """Those that the shipped weights of this environment were trained with, or the default."""
+    return SCALES.get(weights_name(env_id) or "", Scales())
 
 
 def train(
     env_id: str,
     folder: Path,
     out: Path,
-    config: FieldConfig,
+    scope: Literal["local", "global"],
+    scales: Scales,
     *,
     device: str,
-    steps: int,
     scenes: int,
     seed: int,
 ) -> Values:
@@ -46,9 +63,9 @@ def train(
         env_id: what the demonstrations must be of.
         folder: of the demonstrations.
         out: of the run.
-        config: sizes of the network.
+        scope: of the field, see ``FieldConfig``.
+        scales: of the field.
         device: where to train.
-        steps: optimiser steps in all.
         scenes: episodes whose scenes are used, at most.
         seed: of initial weights and data.
 
@@ -63,10 +80,16 @@ def train(
     header = demonstrations.header
     if header.env_id != env_id:
         raise DemonstrationsError(f"{folder} holds demonstrations of {header.env_id}, not {env_id}")
-    data = FieldData.from_demonstrations(demonstrations, scenes)
+    data = FieldData.from_demonstrations(demonstrations, scenes, scales.near)
     about = {"env": env_id, "options": dict(header.options), "seed": header.seed}
-    settings = TrainingConfig(steps=steps, learning_rate=2e-3, seed=seed)
-    with training(f"field of {env_id}", steps) as seen:
+    config = FieldConfig(
+        scope,
+        channels=FieldConfig.channels if scope == "local" else GLOBAL_CHANNELS,
+        length_scale=scales.length,
+        outlook_scale=scales.outlook,
+    )
+    settings = TrainingConfig(steps=scales.steps, learning_rate=2e-3, seed=seed)
+    with training(f"field of {env_id}", scales.steps) as seen:
         trained = train_field(data, config, settings, out, about=about, device=device, seen=seen)
     parameters = sum(value.numel() for value in trained.model.parameters())
     return {"out": str(out), "scenes": len(data), "parameters": parameters, **trained.terms}

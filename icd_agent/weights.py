@@ -22,18 +22,23 @@ TRAINED_FOR: Final[Mapping[str, str]] = MappingProxyType(
 """Name of each environment's weights; an adaptation task shares those of its task."""
 
 
+def weights_name(env_id: str) -> str | None:
+    """Name of an environment's weights, or None; a ``module:`` prefix names the same task."""
+    return TRAINED_FOR.get(env_id.rpartition(":")[2])
+
+
 def shipped_folder(env_id: str, kind: str) -> Path:
     """Where the weights of one network for one environment are.
 
     Args:
-        env_id: id of the environment; a ``module:`` prefix names the same task and is ignored.
+        env_id: id of the environment.
         kind: of network, e.g. ``field``.
 
     Raises:
         CheckpointError: none are shipped for this environment.
     """
-    name = env_id.rpartition(":")[2]
-    if name not in TRAINED_FOR:
+    name = weights_name(env_id)
+    if name is None:
         known = unknown_name("environment with shipped weights:", env_id, TRAINED_FOR)
         raise CheckpointError(f"{known}; train weights for it: icd-bench train --help")
-    return FOLDER / TRAINED_FOR[name] / kind
+    return FOLDER / name / kind

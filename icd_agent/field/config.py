@@ -29,8 +29,10 @@ class FieldConfig:
         edge_width: scalar channels of what an anchor tells a query.
         width: scalar channels of a query.
         descriptor: D, size of a descriptor.
-        length_scale: [m] distances are compressed as log(1 + r / length_scale); also the unit of
-            descriptors: at a surface, points 1 mm apart have descriptors about 0.001 apart.
+        close_scale: [m] distances enter as log(1 + r / close_scale); the nearest anchors' say
+            fades over this distance from a surface.
+        length_scale: [m] distances between descriptors are taught as log(1 + r / length_scale);
+            also their unit: at a surface, points 1 mm apart have descriptors about 0.001 apart.
         floor_margin: [m] scene points this close above the lowest one are floor, not fixture.
     """
 
@@ -47,6 +49,7 @@ class FieldConfig:
     edge_width: int = 48
     width: int = 128
     descriptor: int = 32
+    close_scale: float = 0.03
     length_scale: float = 0.03
     floor_margin: float = 0.003
 
@@ -61,7 +64,7 @@ class FieldConfig:
             value = getattr(self, field.name)
             if field.type == "int":
                 require(is_count(value), field.name, value, "an integer >= 1")
-        for name in ("outlook_scale", "outlook_growth", "length_scale"):
+        for name in ("outlook_scale", "outlook_growth", "close_scale", "length_scale"):
             require(is_positive(getattr(self, name)), name, getattr(self, name), "a number > 0")
         margin = self.floor_margin
         require(is_finite(margin) and margin >= 0, "floor_margin", margin, "metres >= 0")

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from icd_agent.field.losses import Truth
-from icd_agent.field.supervision import Solid, draw_companions, draw_queries, supervise
+from icd_agent.field.supervision import NEAR_SPREAD, Solid, draw_companions, draw_queries, supervise
 from icd_envs.api import Float32Array
 from icd_envs.demonstrations import Demonstrations
 from icd_envs.geometry.sdf import BoxUnion
@@ -36,16 +36,24 @@ class FieldScene(NamedTuple):
 class FieldData:
     """Scenes in memory, and random batches of queries in them."""
 
-    def __init__(self, scenes: list[FieldScene]) -> None:
-        """``scenes``: all with clouds of the same size."""
+    def __init__(self, scenes: list[FieldScene], near_spread: float = NEAR_SPREAD) -> None:
+        """Keep them.
+
+        Args:
+            scenes: all with clouds of the same size.
+            near_spread: [m] see ``draw_queries``.
+        """
         self._scenes = scenes
+        self.near_spread = near_spread
 
     def __len__(self) -> int:
         """Number of scenes."""
         return len(self._scenes)
 
     @classmethod
-    def from_demonstrations(cls, demonstrations: Demonstrations, scenes: int) -> FieldData:
+    def from_demonstrations(
+        cls, demonstrations: Demonstrations, scenes: int, near_spread: float = NEAR_SPREAD
+    ) -> FieldData:
         """The first so many episodes' scenes, drawn again from their seeds (12 ms each)."""
         found = []
         for i in range(min(scenes, len(demonstrations))):
@@ -54,7 +62,7 @@ class FieldData:
             states = np.unique(np.linspace(first, last - 1, STATES).astype(int))
             points = demonstrations.points(demonstrations.nodes[states]).reshape(-1, 3)
             found.append(FieldScene(scene.cloud, points, BoxUnion(scene.boxes)))
-        return cls(found)
+        return cls(found, near_spread)
 
     def draw(
         self, scenes: int, queries: int, rng: np.random.Generator, device: str = "cpu"
@@ -73,7 +81,7 @@ class FieldData:
         clouds, truths = [], []
         for i in rng.integers(len(self._scenes), size=scenes):
             scene = self._scenes[i]
-            points = draw_queries(scene.cloud, scene.object_points, queries, rng)
+            points = draw_queries(scene.cloud, scene.object_points, queries, rng, self.near_spread)
             points = np.concatenate([points, draw_companions(points, rng)])
             clouds.append(scene.cloud)
             truths.append(supervise(points, scene.solid))

@@ -18,7 +18,7 @@ class SceneCode(NamedTuple):
     Attributes:
         anchors: (B, A, 3) [m] on surfaces of fixtures, world frame, each far from all before it;
             with the global scope only one, in their middle.
-        features: (B, A, 3, C) vectors, in units of the length scale or of none.
+        features: (B, A, 3, C) vectors, in units of the close scale or of none.
         floor: (B,) [m] height of the lowest scene point.
     """
 
@@ -85,8 +85,8 @@ class SceneEncoder(nn.Module):
         return features
 
     def _scaled(self, offsets: Tensor) -> Tensor:
-        """(..., 3) [m] -> (..., 3, 1) in units of the length scale."""
-        return offsets[..., None] / self.config.length_scale
+        """(..., 3) [m] -> (..., 3, 1) in units of the close scale."""
+        return offsets[..., None] / self.config.close_scale
 
 
 class _Exchange(nn.Module):

@@ -27,7 +27,7 @@ class FieldOutput(NamedTuple):
             distances between them are [m] at surfaces and fewer the farther away.
         occupancy: (B, Q) logit of being inside a fixture.
         gradient: (B, Q, 3) direction of the signed distance's gradient, world frame.
-        log_distance: (B, Q) log(1 + |signed distance| / length scale).
+        log_distance: (B, Q) log(1 + |signed distance| / close_scale).
     """
 
     descriptor: Tensor
@@ -102,7 +102,7 @@ class SceneField(nn.Module):
         Those of the nearest anchors add up to 1 at a surface and to less and less away from it:
         half-way between two fixtures, where all of them change at once, they hardly count.
         """
-        scale = self.config.length_scale
+        scale = self.config.close_scale
         distance = (near + TINY).sqrt()
         # The last neighbour has no weight, so that nothing jumps when neighbours change.
         window = (1.0 - distance / (distance[..., -1:] + scale / 100)).clamp(min=0.0)
@@ -119,7 +119,7 @@ class SceneField(nn.Module):
         )
 
     def _compress(self, metres: Tensor) -> Tensor:
-        return torch.log1p(metres.clamp(min=0.0) / self.config.length_scale)
+        return torch.log1p(metres.clamp(min=0.0) / self.config.close_scale)
 
     def _gather_scalars(self, edges: Tensor, features: Tensor, weights: Tensor) -> Tensor:
         """What each neighbour says, (B, Q, HEADS * edge_width)."""

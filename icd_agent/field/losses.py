@@ -13,6 +13,7 @@ import torch
 from torch import Tensor
 from torch.nn import functional
 
+from icd_agent.field.config import FieldConfig
 from icd_agent.field.field import FieldOutput
 
 DISTANCE_WEIGHT = 0.3
@@ -37,7 +38,7 @@ class Truth(NamedTuple):
 
 
 def field_loss(
-    out: FieldOutput, truth: Truth, pairs: tuple[Tensor, Tensor], scale: float
+    out: FieldOutput, truth: Truth, pairs: tuple[Tensor, Tensor], config: FieldConfig
 ) -> dict[str, Tensor]:
     """Terms of the loss of one batch, and two rates to watch.
 
@@ -45,13 +46,14 @@ def field_loss(
         out: of the field, about ``truth.points``.
         truth: of the same points.
         pairs: indices (P,) of points whose descriptors are compared.
-        scale: [m] the field's length scale.
+        config: of the field.
     """
     inside = truth.distance < 0
     occupancy = functional.binary_cross_entropy_with_logits(out.occupancy, inside.float())
     direction = (out.gradient - truth.gradient).square().sum(-1).mean()
-    log_distance = torch.log1p(truth.distance.abs() / scale)
+    log_distance = torch.log1p(truth.distance.abs() / config.close_scale)
     distance = (out.log_distance - log_distance).abs().mean()
+    scale = config.length_scale
     metric = metric_error(out.descriptor / scale, truth, pairs, scale)
     near = truth.distance.abs() < NEAR_SURFACE
     said = out.occupancy > 0

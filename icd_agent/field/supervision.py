@@ -13,7 +13,7 @@ NEAR = 0.5
 ON_OBJECT = 0.25
 """Share at places where the object has been; the rest is spread over the scene's surroundings."""
 NEAR_SPREAD = 0.015
-"""[m] standard deviation of the distance to the surface."""
+"""[m] standard deviation of the distance to the surface, of half of them at least."""
 OBJECT_SPREAD = 0.01
 """[m] of noise on the object's places."""
 SURROUNDINGS = 0.25
@@ -49,7 +49,11 @@ class Targets(NamedTuple):
 
 
 def draw_queries(
-    scene: FloatArray, object_points: FloatArray, count: int, rng: np.random.Generator
+    scene: FloatArray,
+    object_points: FloatArray,
+    count: int,
+    rng: np.random.Generator,
+    near_spread: float = NEAR_SPREAD,
 ) -> Float32Array:
     """Points to ask about: near surfaces, where the object has been, and anywhere around.
 
@@ -58,6 +62,8 @@ def draw_queries(
         object_points: (P, 3) [m] places of the object in this scene.
         count: Q.
         rng: source of every draw.
+        near_spread: [m] the other half's; for thick fixtures, whose insides would hardly be
+            asked about otherwise.
 
     Returns:
         (Q, 3) float32 [m].
@@ -66,8 +72,9 @@ def draw_queries(
     fixture = scene[scene[:, 2] > scene[:, 2].min() + 0.003]
     low, high = scene.min(axis=0) - SURROUNDINGS, scene.max(axis=0) + SURROUNDINGS
     low[2] = scene[:, 2].min()
+    spread = np.where(np.arange(near) < near // 2, NEAR_SPREAD, near_spread)[:, None]
     parts = [
-        rng.choice(fixture, near) + rng.normal(0.0, NEAR_SPREAD, (near, 3)),
+        rng.choice(fixture, near) + rng.normal(0.0, spread, (near, 3)),
         rng.choice(object_points, there) + rng.normal(0.0, OBJECT_SPREAD, (there, 3)),
         rng.uniform(low, high, (count - near - there, 3)),
     ]

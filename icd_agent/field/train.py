@@ -51,9 +51,9 @@ def train_field(
 
     def loss(model: nn.Module, rng: np.random.Generator) -> dict[str, Tensor]:
         clouds, truth, pairs = data.draw(BATCH_SCENES, BATCH_QUERIES, rng, device)
-        return field_loss(model(clouds, truth.points), truth, pairs, config.length_scale)
+        return field_loss(model(clouds, truth.points), truth, pairs, config)
 
-    about = {**about, "scenes": len(data)}
+    about = {**about, "scenes": len(data), "near_spread": data.near_spread}
     trained = train(
         lambda: SceneField(config),
         loss,

@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 import torch
 
+from icd_agent.field.config import FieldConfig
 from icd_agent.field.field import FieldOutput
 from icd_agent.field.losses import SIDE, Truth, contact_distance, field_loss, metric_error
 
 SCALE = 0.03
+CONFIG = FieldConfig(close_scale=SCALE, length_scale=SCALE)
 UP, DOWN = (0.0, 0.0, 1.0), (0.0, 0.0, -1.0)
 
 
@@ -72,9 +74,9 @@ def test_a_field_that_is_right_has_a_small_loss_and_full_rates() -> None:
     pairs = pair((0, 1), (2, 3))
     log_distance = torch.log1p(known.distance.abs() / SCALE)
     out = FieldOutput(places / SCALE, -1e4 * known.distance, known.gradient, log_distance)
-    right = field_loss(out, known, pairs, SCALE)
+    right = field_loss(out, known, pairs, CONFIG)
     assert float(right["iou"]) == float(right["cosine"]) == 1.0
     assert float(right["occupancy"]) < 0.1
     assert float(right["direction"]) == float(right["distance"]) == 0.0
-    wrong = field_loss(out._replace(gradient=-known.gradient), known, pairs, SCALE)
+    wrong = field_loss(out._replace(gradient=-known.gradient), known, pairs, CONFIG)
     assert float(wrong["loss"] - right["loss"]) == pytest.approx(4.0)
