@@ -41,7 +41,9 @@ class OracleSource:
         self._scene = scene
         self._stride = stride
 
-    def chain(self, episode: Episode, observation: Observation, space: Placed) -> Subgoals:
+    def chain(
+        self, episode: Episode, observation: Observation, space: Placed, rng: np.random.Generator
+    ) -> Subgoals:
         """Return the expert's states.
 
         Raises:

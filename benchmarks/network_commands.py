@@ -8,7 +8,7 @@ from typing import Annotated, Final, Literal
 
 import typer
 
-from benchmarks.console import AsJson, errors_in_one_line
+from benchmarks.console import AsJson, Values, errors_in_one_line
 
 GROUPS: Final = {
     "train": typer.Typer(help="Train a network from recorded demonstrations."),
@@ -22,6 +22,14 @@ Weights = Annotated[
 ]
 AS_SHIPPED: Final = "as for the package's weights"
 Seed = Annotated[int, typer.Option(min=0, help="Of every draw.")]
+Data = Annotated[Path, typer.Option(help="Folder that icd-bench collect has filled.")]
+Out = Annotated[Path, typer.Option(help="Folder of the run; a killed one goes on.")]
+Device = Annotated[str, typer.Option(help="cpu, or cuda.")]
+Field = Annotated[
+    Path | None, typer.Option(help="Folder of a trained field.", show_default="the package's")
+]
+Episodes = Annotated[int, typer.Option(min=1, help="Episodes that are used, at most.")]
+Steps = Annotated[int, typer.Option(min=1, help="Optimiser steps.")]
 
 
 @GROUPS["train"].callback()
@@ -34,9 +42,9 @@ def _group() -> None:
 @GROUPS["train"].command("field")
 def train_field(
     env: Env,
-    data: Annotated[Path, typer.Option(help="Folder that icd-bench collect has filled.")],
-    out: Annotated[Path, typer.Option(help="Folder of the run; a killed one goes on.")],
-    device: Annotated[str, typer.Option(help="cpu, or cuda.")] = "cpu",
+    data: Data,
+    out: Out,
+    device: Device = "cpu",
     steps: Annotated[
         int | None, typer.Option(min=1, help="Optimiser steps.", show_default=AS_SHIPPED)
     ] = None,
@@ -61,7 +69,6 @@ def train_field(
 ) -> None:
     """Train the scene descriptor field."""
     with errors_in_one_line():
-        from benchmarks.tables import print_values
         from benchmarks.train_field import Scales, scales_of, train
 
         usual = scales_of(env)
@@ -72,10 +79,63 @@ def train_field(
             usual.steps if steps is None else steps,
         )
         values = train(env, data, out, scope, scales, device=device, scenes=scenes, seed=seed)
-    if as_json:
-        typer.echo(json.dumps(values))
-    else:
-        print_values(values)
+        _say(values, as_json)
+
+
+@GROUPS["train"].command("latent")
+def train_latent(
+    env: Env,
+    data: Data,
+    out: Out,
+    field: Field = None,
+    device: Device = "cpu",
+    steps: Steps = 6000,
+    episodes: Episodes = 1500,
+    seed: Seed = 0,
+    as_json: AsJson = False,
+) -> None:
+    """Train the autoencoder of object states and the prediction of steps between them."""
+    with errors_in_one_line():
+        from benchmarks.train_latent import latent
+
+        values = latent(
+            env, data, out, field=field, device=device, steps=steps, episodes=episodes, seed=seed
+        )
+        _say(values, as_json)
+
+
+@GROUPS["train"].command("diffusion")
+def train_diffusion(
+    env: Env,
+    data: Data,
+    out: Out,
+    field: Field = None,
+    latent: Annotated[
+        Path | None,
+        typer.Option(help="Folder of a trained autoencoder.", show_default="the package's"),
+    ] = None,
+    device: Device = "cpu",
+    steps: Steps = 6000,
+    episodes: Episodes = 1500,
+    seed: Seed = 0,
+    as_json: AsJson = False,
+) -> None:
+    """Train the denoiser of chains of subgoals."""
+    with errors_in_one_line():
+        from benchmarks.train_latent import diffusion
+
+        values = diffusion(
+            env,
+            data,
+            out,
+            field=field,
+            latent=latent,
+            device=device,
+            steps=steps,
+            episodes=episodes,
+            seed=seed,
+        )
+        _say(values, as_json)
 
 
 @GROUPS["diagnose"].command("field")
@@ -89,13 +149,9 @@ def diagnose_field(
     """Measure the scene descriptor field: truth, invariance, interpolation, ranking of plans."""
     with errors_in_one_line():
         from benchmarks.diagnose_field import diagnose
-        from benchmarks.tables import print_values
 
         values = diagnose(env, scenes, seed=seed, weights=weights)
-    if as_json:
-        typer.echo(json.dumps(values))
-    else:
-        print_values(values)
+        _say(values, as_json)
 
 
 @GROUPS["render"].command("field")
@@ -110,3 +166,12 @@ def render_field(
         from benchmarks.render_field import render
 
         render(env, out, seed=seed, weights=weights)
+
+
+def _say(values: Values, as_json: bool) -> None:
+    if as_json:
+        typer.echo(json.dumps(values))
+        return
+    from benchmarks.tables import print_values
+
+    print_values(values)

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Final, Literal, NamedTuple
 
 from benchmarks.console import Values
+from benchmarks.described import read_demonstrations
 from benchmarks.training_progress import training
 from icd_agent.field.config import FieldConfig
 from icd_agent.field.data import FieldData
@@ -14,8 +15,6 @@ from icd_agent.field.train import train_field
 from icd_agent.training.config import TrainingConfig
 from icd_agent.training.device import check_device
 from icd_agent.weights import weights_name
-from icd_envs.demonstrations import Demonstrations
-from icd_envs.errors import DemonstrationsError
 
 GLOBAL_CHANNELS: Final = 48
 """One code must hold what many anchors hold otherwise."""
@@ -37,7 +36,7 @@ class Scales(NamedTuple):
     steps: int = 3000
 
 
-SCALES: Final = {"notebook-folding": Scales(0.2, 0.15, 0.05, 4000)}
+SCALES: Final = {"notebook-folding": Scales(0.5, 0.15, 0.05, 4000)}
 """Of the tasks whose fixtures are larger than a clip."""
 
 
@@ -76,10 +75,8 @@ def train(
         IcdError: demonstrations of another task, unusable device, see also ``train_field``.
     """
     check_device(device)
-    demonstrations = Demonstrations(folder)
+    demonstrations = read_demonstrations(env_id, folder)
     header = demonstrations.header
-    if header.env_id != env_id:
-        raise DemonstrationsError(f"{folder} holds demonstrations of {header.env_id}, not {env_id}")
     data = FieldData.from_demonstrations(demonstrations, scenes, scales.near)
     about = {"env": env_id, "options": dict(header.options), "seed": header.seed}
     config = FieldConfig(

@@ -40,7 +40,7 @@ def training(label: str, steps: int) -> Iterator[Seen]:
         task = progress.add_task(escape(label), total=steps)
 
         def show(step: int, terms: dict[str, float]) -> None:
-            text = escape(f"{label}: loss {terms['loss']:.4g}")
+            text = escape(f"{label}: loss {terms['loss']:.4g}" if terms else label)
             progress.update(task, completed=step, description=text)
 
         yield show
@@ -64,8 +64,8 @@ class _Lines:
         self._printed = part
         done = max(1, step - self._first)
         left = (monotonic() - self._begun) / done * (self._steps - step)
-        shown = ", ".join(f"{name} {value:.4g}" for name, value in terms.items())
-        line = f"{self._label}: {step}/{self._steps} steps, {shown}"
+        shown = "".join(f", {name} {value:.4g}" for name, value in terms.items())
+        line = f"{self._label}: {step}/{self._steps} steps{shown}"
         rest = (
             f", {timedelta(seconds=round(left))} left" if self._first < step < self._steps else ""
         )

@@ -60,8 +60,17 @@ class SubgoalSource(Protocol):
 
     needs_oracle: bool
 
-    def chain(self, episode: Episode, observation: Observation, space: Placed) -> Subgoals:
-        """Subgoals from now to the goal, in ``space``."""
+    def chain(
+        self, episode: Episode, observation: Observation, space: Placed, rng: np.random.Generator
+    ) -> Subgoals:
+        """Subgoals from now to the goal, in ``space``.
+
+        Args:
+            episode: what is known of it.
+            observation: the present one.
+            space: in which distances are measured.
+            rng: source of every draw.
+        """
         ...
 
 
@@ -82,7 +91,9 @@ class GoalSource:
 
     needs_oracle = False
 
-    def chain(self, episode: Episode, observation: Observation, space: Placed) -> Subgoals:
+    def chain(
+        self, episode: Episode, observation: Observation, space: Placed, rng: np.random.Generator
+    ) -> Subgoals:
         """Return the desired object cloud, as it lies in the goal's scene, as a chain of one."""
         cloud = observation["desired_goal"][None]
         return Subgoals(space.goal(cloud), cloud)

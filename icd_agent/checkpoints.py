@@ -89,6 +89,15 @@ def load_checkpoint(folder: Path, kind: str, build: Callable[[dict[str, Any]], M
     return model.eval()
 
 
+def weights_sha256(folder: Path) -> str:
+    """Name of the weights in a folder, for what depends on them.
+
+    Raises:
+        CheckpointError: there is no checkpoint.
+    """
+    return str(_read_config(folder / CONFIG_NAME)["sha256"])
+
+
 def _read_config(path: Path) -> dict[str, Any]:
     try:
         record = json.loads(path.read_text(encoding="utf-8"))

@@ -131,7 +131,7 @@ class SubgoalTracker:
             raise EpisodeStateError("act() before reset(): call reset(episode, seed) first")
         if self._chain is None:
             self._placed = self.space.place(observation)
-            self._subgoals = self._source.chain(self._episode, observation, self._placed)
+            self._subgoals = self._source.chain(self._episode, observation, self._placed, self._rng)
             self._chain = SubgoalChain(
                 self._subgoals.features,
                 self.config.threshold,

@@ -157,9 +157,13 @@ class BakedField:
         finite = np.nan_to_num(np.asarray(points, np.float32), nan=0.0)
         np.clip(finite, -FARTHEST, FARTHEST, out=finite)
         axes = [np.ascontiguousarray(finite[..., i]).ravel() for i in range(3)]
-        rows, weights = self._grids[0].corners(axes)
-        for grid in self._grids[1:]:
-            inside = grid.holds(axes)
+        which = np.zeros(len(axes[0]), np.uint8)
+        for i, grid in enumerate(self._grids[1:], start=1):
+            which[grid.holds(axes)] = i
+        rows = np.empty((len(which), 8), np.int32)
+        weights = np.empty((len(which), 8), np.float32)
+        for i, grid in enumerate(self._grids):
+            inside = np.flatnonzero(which == i)
             rows[inside], weights[inside] = grid.corners([axis[inside] for axis in axes])
         found = functional.embedding_bag(
             torch.from_numpy(rows),

@@ -54,11 +54,7 @@ class SceneEncoder(nn.Module):
         Returns:
             The code, for ``SceneField.query``.
         """
-        there = torch.ones_like(scene[..., 0], dtype=torch.bool) if there is None else there
-        floor = scene[..., 2].masked_fill(~there, float("inf")).amin(dim=1)
-        fixture = there & (scene[..., 2] > floor[:, None] + self.config.floor_margin)
-        # A scene of bare floor has nothing else to hold on to.
-        fixture = torch.where(fixture.any(dim=1, keepdim=True), fixture, there)
+        floor, fixture = find_fixtures(scene, self.config.floor_margin, there)
         chosen = spread(scene, self.config.anchors, fixture)
         anchors = gather(scene, chosen)
         features = self._look_around(scene, fixture, anchors)
@@ -87,6 +83,26 @@ class SceneEncoder(nn.Module):
     def _scaled(self, offsets: Tensor) -> Tensor:
         """(..., 3) [m] -> (..., 3, 1) in units of the close scale."""
         return offsets[..., None] / self.config.close_scale
+
+
+def find_fixtures(
+    scene: Tensor, margin: float, there: Tensor | None = None
+) -> tuple[Tensor, Tensor]:
+    """Tell floor from what stands on it.
+
+    Args:
+        scene: (B, M, 3) [m] surface points, world frame.
+        margin: [m] points this close above the lowest one are floor.
+        there: (B, M) bool, points that were seen; None is all.
+
+    Returns:
+        (B,) [m] height of the floor; (B, M) bool, points of fixtures, or all that were seen in a
+        scene of bare floor, which has nothing else to hold on to.
+    """
+    there = torch.ones_like(scene[..., 0], dtype=torch.bool) if there is None else there
+    floor = scene[..., 2].masked_fill(~there, float("inf")).amin(dim=1)
+    fixture = there & (scene[..., 2] > floor[:, None] + margin)
+    return floor, torch.where(fixture.any(dim=1, keepdim=True), fixture, there)
 
 
 class _Exchange(nn.Module):

@@ -22,9 +22,9 @@ METRIC_WEIGHT = 0.5
 """Of the error of distances between descriptors."""
 SIDE = 0.5
 """How much it matters on which side of a surface a point is: points that touch opposite sides
-count as at least this many length scales, times two, apart."""
+count as at least this many close scales, times two, apart."""
 SMALLEST = 0.02
-"""Distances, in length scales, below which errors do not matter."""
+"""Distances, in close scales, below which errors do not matter."""
 NEAR_SURFACE, NEAR_GRADIENT = 0.03, 0.1
 """[m] from surfaces, within which the reported rates count."""
 
@@ -53,8 +53,7 @@ def field_loss(
     direction = (out.gradient - truth.gradient).square().sum(-1).mean()
     log_distance = torch.log1p(truth.distance.abs() / config.close_scale)
     distance = (out.log_distance - log_distance).abs().mean()
-    scale = config.length_scale
-    metric = metric_error(out.descriptor / scale, truth, pairs, scale)
+    metric = metric_error(out.descriptor / config.length_scale, truth, pairs, config)
     near = truth.distance.abs() < NEAR_SURFACE
     said = out.occupancy > 0
     aligned = functional.cosine_similarity(out.gradient, truth.gradient, dim=-1)
@@ -70,27 +69,37 @@ def field_loss(
 
 
 def metric_error(
-    descriptors: Tensor, truth: Truth, pairs: tuple[Tensor, Tensor], scale: float
+    descriptors: Tensor, truth: Truth, pairs: tuple[Tensor, Tensor], config: FieldConfig
 ) -> Tensor:
-    """Mean squared relative error of the distances between descriptors (B, Q, D)."""
+    """Mean squared relative error of the distances between descriptors (B, Q, D).
+
+    Args:
+        descriptors: in length scales.
+        truth: about the same points.
+        pairs: indices (P,) of points that are compared.
+        config: of the field.
+    """
     first, second = pairs
     square = (descriptors[:, first] - descriptors[:, second]).square().sum(-1)
     found = (square + 1e-8).sqrt()  # its root's slope must stay finite
-    wanted = contact_distance(truth, pairs, scale)
-    return (torch.log(found + SMALLEST) - torch.log(wanted + SMALLEST)).square().mean()
+    wanted = contact_distance(truth, pairs, config)
+    smallest = SMALLEST * config.close_scale / config.length_scale
+    return (torch.log(found + smallest) - torch.log(wanted + smallest)).square().mean()
 
 
-def contact_distance(truth: Truth, pairs: tuple[Tensor, Tensor], scale: float) -> Tensor:
+def contact_distance(truth: Truth, pairs: tuple[Tensor, Tensor], config: FieldConfig) -> Tensor:
     """How far apart points are for contact, (B, P) in length scales.
 
     The distance-ratio metric log(1 + |x - y| / (s + d)) shrinks distances with the distance d to
     the nearest surface; to it comes, at right angles, the difference of the surface's normals,
-    which fades in the same way, so that the two sides of a thin wall are apart.
+    which fades in the same way but within the close scale, so that the two sides of a thin wall
+    are apart.
     """
     first, second = pairs
+    scale, close = config.length_scale, config.close_scale
     away = truth.distance.abs()
     apart = (truth.points[:, first] - truth.points[:, second]).norm(dim=-1)
     between = torch.log1p(apart / (scale + (away[:, first] + away[:, second]) / 2))
-    normal = truth.gradient * (scale / (scale + away))[..., None]
-    side = SIDE * (normal[:, first] - normal[:, second]).norm(dim=-1)
+    normal = truth.gradient * (close / (close + away))[..., None]
+    side = SIDE * close / scale * (normal[:, first] - normal[:, second]).norm(dim=-1)
     return torch.hypot(between, side)

@@ -150,6 +150,11 @@ class Demonstrations:
             diverged=bool(self.diverged[i]),
         )
 
+    @property
+    def canonical_cloud(self) -> Float32Array:
+        """(N, 3) [m] the object in its own rest frame, same point order as every cloud."""
+        return self._task.canonical_cloud()
+
     def points(self, nodes: Float32Array) -> Float32Array:
         """(..., P, 3) tracked nodes [m] -> (..., N, 3) float32 object clouds [m].
 

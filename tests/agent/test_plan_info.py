@@ -24,7 +24,9 @@ class Source:
     def __init__(self, *, drawable: bool) -> None:
         self._drawable = drawable
 
-    def chain(self, episode: Episode, observation: Observation, space: Placed) -> Subgoals:
+    def chain(
+        self, episode: Episode, observation: Observation, space: Placed, rng: np.random.Generator
+    ) -> Subgoals:
         return Subgoals(CHAIN, CHAIN if self._drawable else None)
 
 

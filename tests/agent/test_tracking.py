@@ -21,7 +21,9 @@ class Waypoints:
     def __init__(self, *positions: tuple[float, float, float]) -> None:
         self._positions = np.array(positions)
 
-    def chain(self, episode: Episode, observation: Observation, space: Placed) -> Subgoals:
+    def chain(
+        self, episode: Episode, observation: Observation, space: Placed, rng: np.random.Generator
+    ) -> Subgoals:
         clouds = cloud_at(self._positions)
         return Subgoals(clouds, clouds)
 

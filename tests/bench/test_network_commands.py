@@ -1,4 +1,4 @@
-"""``icd-bench train field``, ``diagnose field`` and ``render field``."""
+"""``icd-bench train``, ``diagnose`` and ``render``."""
 
 from __future__ import annotations
 
@@ -113,3 +113,23 @@ def test_usage_errors_exit_2_in_one_line(arguments: tuple[str, ...], message: st
     assert refused.exit_code == 2
     assert message in refused.stderr
     assert len(refused.stderr.strip().splitlines()) == 1
+
+
+def test_latents_and_chains_are_trained_on_descriptors_kept_beside_the_data(
+    data: Path, weights: Path, tmp_path: Path
+) -> None:
+    common = ("--env", CABLE, "--data", data, "--field", weights, "--steps", 2, "--json")
+    latent = icd_bench("train", "latent", *common, "--out", tmp_path / "latent")
+    assert latent.exit_code == 0, latent.stderr
+    assert json.loads(latent.stdout)["recon"] > 0
+    kept = [path for path in data.parent.iterdir() if path.name.startswith(f"{data.name}-2-")]
+    assert len(kept) == 1
+    before = (kept[0] / "features.npy").stat().st_mtime_ns
+    out = ("--latent", tmp_path / "latent", "--out", tmp_path / "diffusion")
+    diffusion = icd_bench("train", "diffusion", *common, *out)
+    assert diffusion.exit_code == 0, diffusion.stderr
+    assert json.loads(diffusion.stdout)["loss"] > 0
+    assert (kept[0] / "features.npy").stat().st_mtime_ns == before
+    about = json.loads((tmp_path / "diffusion" / "config.json").read_text())["about"]["data"]
+    sha256 = json.loads((tmp_path / "latent" / "config.json").read_text())["sha256"]
+    assert about["latent"] == sha256

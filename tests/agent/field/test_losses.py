@@ -29,7 +29,7 @@ def pair(*indices: tuple[int, int]) -> tuple[torch.Tensor, torch.Tensor]:
 
 def test_near_surfaces_small_distances_are_those_of_space() -> None:
     points = truth(((0, 0, 0), 0.0, UP), ((0.001, 0, 0), 0.0, UP))
-    found = SCALE * float(contact_distance(points, pair((0, 1)), SCALE))
+    found = SCALE * float(contact_distance(points, pair((0, 1)), CONFIG))
     assert found == pytest.approx(0.001, rel=0.02)
 
 
@@ -40,7 +40,7 @@ def test_distances_shrink_far_from_surfaces_and_are_symmetric() -> None:
         ((0, 0, 0.3), 0.3, UP),
         ((0.05, 0, 0.3), 0.3, UP),
     )
-    near, far, there, back = contact_distance(points, pair((0, 1), (2, 3), (0, 3), (3, 0)), SCALE)[
+    near, far, there, back = contact_distance(points, pair((0, 1), (2, 3), (0, 3), (3, 0)), CONFIG)[
         0
     ].tolist()
     assert near == pytest.approx(math.log(1 + 0.05 / 0.03))
@@ -50,20 +50,20 @@ def test_distances_shrink_far_from_surfaces_and_are_symmetric() -> None:
 
 def test_the_two_sides_of_a_thin_wall_are_apart() -> None:
     points = truth(((0, 0, 0.002), 0.0, UP), ((0, 0, -0.002), 0.0, DOWN))
-    assert float(contact_distance(points, pair((0, 1)), SCALE)) >= 2 * SIDE
+    assert float(contact_distance(points, pair((0, 1)), CONFIG)) >= 2 * SIDE
 
 
 def test_descriptors_of_the_right_distances_have_no_error() -> None:
     # On a line far from everything the metric is that of the line, shrunk.
     points = truth(((0, 0, 9.0), 9.0, UP), ((0.01, 0, 9.0), 9.0, UP))
     pairs = pair((0, 1))
-    right = contact_distance(points, pairs, SCALE)[0, 0]
+    right = contact_distance(points, pairs, CONFIG)[0, 0]
     descriptors = torch.zeros(1, 2, 4)
     descriptors[0, 1, 2] = right
-    assert float(metric_error(descriptors, points, pairs, SCALE)) < 1e-4
-    assert float(metric_error(3 * descriptors + 1, points, pairs, SCALE)) < 0.01
+    assert float(metric_error(descriptors, points, pairs, CONFIG)) < 1e-4
+    assert float(metric_error(3 * descriptors + 1, points, pairs, CONFIG)) < 0.01
     descriptors[0, 1, 2] = 1.0
-    assert float(metric_error(descriptors, points, pairs, SCALE)) > 1.0
+    assert float(metric_error(descriptors, points, pairs, CONFIG)) > 1.0
 
 
 def test_a_field_that_is_right_has_a_small_loss_and_full_rates() -> None:

@@ -1,0 +1,72 @@
+"""Recorded states with their descriptors, as the learned parts of ICD are trained on them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from benchmarks.training_progress import training
+from icd_agent.checkpoints import weights_sha256
+from icd_agent.field.space import exact_features
+from icd_agent.field.train import KIND as FIELD
+from icd_agent.field.train import load_field
+from icd_agent.scene_tokens import scene_tokens
+from icd_agent.states import States, describe_states
+from icd_agent.weights import shipped_folder
+from icd_envs.demonstrations import Demonstrations
+from icd_envs.errors import DemonstrationsError
+
+
+class Described(NamedTuple):
+    """States, and where they come from.
+
+    Attributes:
+        states: with descriptors.
+        about: for the records of what is trained on them.
+    """
+
+    states: States
+    about: dict[str, Any]
+
+
+def read_demonstrations(env_id: str, folder: Path) -> Demonstrations:
+    """Read demonstrations that must be of one task.
+
+    Raises:
+        DemonstrationsError: missing, damaged, or of another task.
+    """
+    demonstrations = Demonstrations(folder)
+    found = demonstrations.header.env_id
+    if found != env_id:
+        raise DemonstrationsError(f"{folder} holds demonstrations of {found}, not {env_id}")
+    return demonstrations
+
+
+def describe(env_id: str, data: Path, field: Path | None, episodes: int) -> Described:
+    """Descriptors of recorded states; kept in a folder beside the data, by field.
+
+    Args:
+        env_id: what the demonstrations must be of.
+        data: folder of the demonstrations.
+        field: folder of the field; None is the package's.
+        episodes: how many are used, at most.
+
+    Raises:
+        IcdError: missing, damaged or unfitting demonstrations or weights.
+    """
+    demonstrations = read_demonstrations(env_id, data)
+    folder = shipped_folder(env_id, FIELD) if field is None else field
+    network, weights = load_field(folder), weights_sha256(folder)
+    count = min(episodes, len(demonstrations))
+    with training("descriptors of recorded states, by episode", count) as seen:
+        states = describe_states(
+            demonstrations,
+            lambda scene: (exact_features(network, scene), scene_tokens(network, scene)),
+            data.with_name(f"{data.name}-{count}-{weights[:8]}"),
+            space=weights,
+            episodes=count,
+            seen=lambda done: seen(done, {}),
+        )
+    header = demonstrations.header
+    about = {"env": env_id, "options": dict(header.options), "seed": header.seed, "field": weights}
+    return Described(states, about)

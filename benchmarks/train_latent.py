@@ -1,0 +1,108 @@
+"""What ``icd-bench train latent`` and ``train diffusion`` do."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from benchmarks.console import Values
+from benchmarks.described import describe
+from benchmarks.training_progress import training
+from icd_agent.checkpoints import weights_sha256
+from icd_agent.diffusion.config import DiffusionConfig
+from icd_agent.diffusion.train import train_diffusion
+from icd_agent.latent.config import LatentConfig
+from icd_agent.latent.train import KIND as LATENT
+from icd_agent.latent.train import load_latent, train_latent
+from icd_agent.training.config import TrainingConfig
+from icd_agent.training.device import check_device
+from icd_agent.training.loop import Trained
+from icd_agent.weights import shipped_folder
+
+
+def latent(
+    env_id: str,
+    data: Path,
+    out: Path,
+    *,
+    field: Path | None,
+    device: str,
+    steps: int,
+    episodes: int,
+    seed: int,
+) -> Values:
+    """Describe recorded states, train the autoencoder on them, save.
+
+    Args:
+        env_id: what the demonstrations must be of.
+        data: folder of the demonstrations.
+        out: of the run.
+        field: folder of the field; None is the package's.
+        device: where to train.
+        steps: optimiser steps in all.
+        episodes: how many are used, at most.
+        seed: of initial weights and data.
+
+    Returns:
+        Names and values for the user.
+
+    Raises:
+        IcdError: unfitting data or weights, unusable device, see also ``train_latent``.
+    """
+    check_device(device)
+    states, about = describe(env_id, data, field, episodes)
+    config = LatentConfig(states.features.shape[-1], states.tokens.features.shape[-1])
+    settings = TrainingConfig(steps=steps, learning_rate=1e-3, seed=seed)
+    with training(f"latents of {env_id}", steps) as seen:
+        trained = train_latent(states, config, settings, out, about=about, device=device, seen=seen)
+    return _values(out, trained, about)
+
+
+def diffusion(
+    env_id: str,
+    data: Path,
+    out: Path,
+    *,
+    field: Path | None,
+    latent: Path | None,
+    device: str,
+    steps: int,
+    episodes: int,
+    seed: int,
+) -> Values:
+    """Describe and encode recorded states, train the denoiser on chains of them, save.
+
+    Args:
+        env_id: what the demonstrations must be of.
+        data: folder of the demonstrations.
+        out: of the run.
+        field: folder of the field; None is the package's.
+        latent: folder of the autoencoder; None is the package's.
+        device: where to train.
+        steps: optimiser steps in all.
+        episodes: how many are used, at most.
+        seed: of initial weights and data.
+
+    Returns:
+        Names and values for the user.
+
+    Raises:
+        IcdError: unfitting data or weights, unusable device, see also ``train_diffusion``.
+    """
+    check_device(device)
+    folder = shipped_folder(env_id, LATENT) if latent is None else latent
+    network = load_latent(folder)
+    states, about = describe(env_id, data, field, episodes)
+    config = DiffusionConfig(network.config.latent, states.tokens.features.shape[-1])
+    settings = TrainingConfig(steps=steps, learning_rate=5e-4, seed=seed)
+    about = {**about, "latent": weights_sha256(folder)}
+    with training(f"chains of {env_id}", steps) as seen:
+        trained = train_diffusion(
+            states, network, config, settings, out, about=about, device=device, seen=seen
+        )
+    return _values(out, trained, about)
+
+
+def _values(out: Path, trained: Trained, about: dict[str, Any]) -> Values:
+    parameters = sum(value.numel() for value in trained.model.parameters())
+    return {"out": str(out), "seed": about["seed"], "parameters": parameters, **trained.terms}

@@ -1,0 +1,225 @@
+"""ICD as a policy object: weights in, actions out."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, Final, NamedTuple, Protocol
+
+import numpy as np
+
+from icd_agent.checkpoints import save_checkpoint
+from icd_agent.diffused import DiffusedSource
+from icd_agent.diffusion.config import ChainConfig
+from icd_agent.diffusion.denoiser import Denoiser
+from icd_agent.diffusion.generate import Generator
+from icd_agent.diffusion.train import KIND as DIFFUSION
+from icd_agent.diffusion.train import load_diffusion
+from icd_agent.field.field import SceneField
+from icd_agent.field.space import FieldSpace
+from icd_agent.field.train import KIND as FIELD
+from icd_agent.field.train import load_field
+from icd_agent.latent.model import LatentModel
+from icd_agent.latent.train import KIND as LATENT
+from icd_agent.latent.train import load_latent
+from icd_agent.mppi.presets import preset as mppi_preset
+from icd_agent.plan_info import PlanInfo
+from icd_agent.tracking import SubgoalTracker, TrackerConfig
+from icd_agent.weights import FOLDER, weights_name
+from icd_envs.api import Episode, Float32Array, Observation, PlanView
+from icd_envs.errors import CheckpointError, EpisodeStateError, InvalidOptionError, unknown_name
+
+
+class Preset(NamedTuple):
+    """A named way to run ICD.
+
+    Attributes:
+        mppi: name of the planner's settings.
+        chain: how chains are generated.
+        tracker: how they are followed.
+    """
+
+    mppi: str
+    chain: ChainConfig
+    tracker: TrackerConfig
+
+
+PRESETS: Final = {
+    "paper": Preset("adaptive", ChainConfig(chains=1, inpaint_goal=True), TrackerConfig()),
+    "improved": Preset(
+        "improved",
+        ChainConfig(),
+        TrackerConfig(threshold=0.5, spacing="own", window=1, patience=20),
+    ),
+}
+"""``paper``: one chain, minimum over all remaining subgoals, the goal in-painted. ``improved``: the
+easiest of several chains, one subgoal at a time, the last one generated if the goal is foreign,
+noise correlated in time."""
+
+
+class Networks(NamedTuple):
+    """What ICD has learned, all in evaluation mode."""
+
+    field: SceneField
+    latent: LatentModel
+    diffusion: Denoiser
+
+
+class Env(Protocol):
+    """What ``predict`` needs of an environment: ours, or a wrapper of it."""
+
+    @property
+    def unwrapped(self) -> Any:  # noqa: ANN401  Gymnasium's own type
+        """The environment of this project."""
+        ...
+
+
+class ICDAgent:
+    """Implicit Contact Diffuser: an agent of the benchmark and a Stable-Baselines3-like policy.
+
+    Attributes:
+        needs_simulator: True; MPPI rolls out in it.
+        needs_oracle: False.
+        networks: what it has learned.
+        preset: name of its settings.
+    """
+
+    needs_simulator = True
+    needs_oracle = False
+
+    def __init__(
+        self, networks: Networks, preset: str = "improved", *, env: Env | None = None
+    ) -> None:
+        """Compose an agent.
+
+        Args:
+            networks: trained on one another.
+            preset: "paper" or "improved".
+            env: gives ``predict`` the simulator; the benchmark's runner needs none.
+
+        Raises:
+            InvalidOptionError: unknown preset.
+            CheckpointError: the networks do not fit one another.
+        """
+        if preset not in PRESETS:
+            raise InvalidOptionError(unknown_name("ICD preset", preset, PRESETS))
+        _check_fit(networks)
+        settings = PRESETS[preset]
+        self.networks = networks
+        self.preset = preset
+        self._env = env
+        generator = Generator(networks.diffusion, networks.latent, settings.chain)
+        self._tracker = SubgoalTracker(
+            DiffusedSource(networks.field, networks.latent, generator),
+            FieldSpace(networks.field),
+            mppi_preset(settings.mppi),
+            settings.tracker,
+        )
+        self._ready = False
+
+    @classmethod
+    def from_pretrained(
+        cls, source: str | Path, preset: str = "improved", *, env: Env | None = None
+    ) -> ICDAgent:
+        """Load an agent.
+
+        Args:
+            source: id of an environment, for the weights of the package; or a folder that
+                ``save_pretrained`` has written; or ``owner/name`` of a repository on the Hugging
+                Face hub, which is downloaded.
+            preset: "paper" or "improved".
+            env: gives ``predict`` the simulator.
+
+        Raises:
+            CheckpointError: missing or damaged weights.
+            InvalidOptionError: unknown preset.
+        """
+        folder = _find(source)
+        networks = Networks(
+            load_field(folder / FIELD),
+            load_latent(folder / LATENT),
+            load_diffusion(folder / DIFFUSION),
+        )
+        return cls(networks, preset, env=env)
+
+    def save_pretrained(self, folder: str | Path) -> None:
+        """Write the weights, for ``from_pretrained``; files of the same names are replaced."""
+        for kind, network in zip((FIELD, LATENT, DIFFUSION), self.networks, strict=True):
+            save_checkpoint(Path(folder) / kind, kind, network, network.config, {})
+
+    @property
+    def plan_info(self) -> PlanInfo | None:
+        """What the last ``act`` did."""
+        return self._tracker.plan_info
+
+    def reset(self, episode: Episode, seed: int) -> None:
+        """Begin an episode; see ``SubgoalTracker.reset``."""
+        self._tracker.reset(episode, seed)
+
+    def act(self, observation: Observation) -> Float32Array:
+        """Plan one step: (3,) in [-1, 1]; the first of an episode bakes the scene, seconds."""
+        return self._tracker.act(observation)
+
+    def plan_view(self) -> PlanView | None:
+        """What viewers may draw of the last ``act``."""
+        return self._tracker.plan_view()
+
+    def predict(
+        self,
+        observation: dict[str, Any],
+        state: tuple[Any, ...] | None = None,
+        episode_start: Any = None,  # noqa: ANN401  Stable-Baselines3's signature
+        deterministic: bool = True,
+    ) -> tuple[Float32Array, tuple[Any, ...] | None]:
+        """Stable-Baselines3's policy interface, for ``evaluate_policy``.
+
+        Args:
+            observation: of ``env``, or a batch of one from a vector environment around it.
+            state: returned as it is.
+            episode_start: (1,) whether an episode begins; without it, one begins at the first call.
+            deterministic: not used; draws follow from the seed 0 of every episode.
+
+        Raises:
+            EpisodeStateError: the agent was made without ``env``.
+            InvalidOptionError: a batch of several environments.
+        """
+        if self._env is None:
+            raise EpisodeStateError(
+                "predict() needs the environment's simulator: make the agent with env=..."
+            )
+        batched = np.ndim(observation["achieved_goal"]) == 3
+        if batched and len(observation["achieved_goal"]) != 1:
+            count = len(observation["achieved_goal"])
+            raise InvalidOptionError(f"observation holds {count} environments: predict one")
+        single: Any = {key: value[0] if batched else value for key, value in observation.items()}
+        if not self._ready or (episode_start is not None and np.any(episode_start)):
+            self.reset(self._env.unwrapped.episode(simulator=True), seed=0)
+            self._ready = True
+        action = self.act(single)
+        return (action[None] if batched else action), state
+
+
+def _check_fit(networks: Networks) -> None:
+    described, latent = networks.field.config.descriptor, networks.latent.config
+    diffusion = networks.diffusion.config
+    if not latent.features == latent.scene_features == diffusion.scene_features == described:
+        raise CheckpointError(
+            f"the field describes points by {described} numbers, but the autoencoder takes "
+            f"{latent.features} features and scene tokens of {latent.scene_features}, the denoiser "
+            f"of {diffusion.scene_features}: use networks that were trained on one another"
+        )
+    if latent.latent != diffusion.latent:
+        raise CheckpointError(
+            f"latents have {latent.latent} numbers, but the denoiser takes {diffusion.latent} "
+            "numbers: use networks that were trained on one another"
+        )
+
+
+def _find(source: str | Path) -> Path:
+    name = weights_name(str(source))
+    if name is not None:
+        return FOLDER / name
+    if isinstance(source, Path) or Path(source).is_dir() or source.count("/") != 1:
+        return Path(source)
+    from huggingface_hub import snapshot_download
+
+    return Path(snapshot_download(source, allow_patterns=["*.json", "*.safetensors"]))

@@ -1,0 +1,1 @@
+"""Latent diffusion of chains of subgoals, coarse to fine."""

@@ -1,0 +1,79 @@
+"""Settings of the denoiser and of how chains are generated. Imports no torch."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Final
+
+from icd_agent.options import is_count, is_finite, is_positive, require
+
+LEVELS: Final = 4
+"""Refinements of [now, goal]: chains of 3, 5, 9 and 17."""
+LONGEST: Final = 2**LEVELS + 1
+
+
+@dataclass(frozen=True)
+class DiffusionConfig:
+    """Sizes of the network.
+
+    Attributes:
+        latent: Z.
+        scene_features: numbers per scene token, its place left out.
+        width: of the Transformer.
+        layers: of the Transformer.
+        heads: of its attention.
+        steps: of the diffusion, in training.
+        scene_size: [m] places of scene tokens enter in this unit.
+    """
+
+    latent: int
+    scene_features: int
+    width: int = 192
+    layers: int = 4
+    heads: int = 4
+    steps: int = 100
+    scene_size: float = 0.2
+
+    def __post_init__(self) -> None:
+        """Refuse values out of range.
+
+        Raises:
+            InvalidOptionError: naming the field, the value and what would be valid.
+        """
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if field.type == "int":
+                require(is_count(value), field.name, value, "an integer >= 1")
+        require(is_positive(self.scene_size), "scene_size", self.scene_size, "a number > 0")
+        require(self.width % (2 * self.heads) == 0, "width", self.width, "a multiple of 2 x heads")
+
+
+@dataclass(frozen=True)
+class ChainConfig:
+    """How chains are generated.
+
+    Attributes:
+        chains: how many are drawn; the one with the smallest sum of squared predicted steps
+            between consecutive subgoals is kept.
+        denoising_steps: of DDIM, per level.
+        reachable: [control steps] a chain is refined while any pair is predicted to be farther
+            apart.
+        inpaint_goal: the last subgoal is the goal as it was given (the paper). Otherwise it is
+            generated for the present scene whenever the goal was specified in another.
+    """
+
+    chains: int = 8
+    denoising_steps: int = 12
+    reachable: float = 15.0
+    inpaint_goal: bool = False
+
+    def __post_init__(self) -> None:
+        """Refuse values out of range.
+
+        Raises:
+            InvalidOptionError: naming the field, the value and what would be valid.
+        """
+        for name in ("chains", "denoising_steps"):
+            require(is_count(getattr(self, name)), name, getattr(self, name), "an integer >= 1")
+        good = is_finite(self.reachable) and self.reachable > 0
+        require(good, "reachable", self.reachable, "control steps > 0")

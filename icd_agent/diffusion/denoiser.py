@@ -1,0 +1,154 @@
+"""The denoiser: a Transformer over the subgoals of a chain that reads the scene at every one."""
+
+from __future__ import annotations
+
+import math
+from typing import Final, NamedTuple
+
+import torch
+from torch import Tensor, nn
+from torch.nn import functional
+
+from icd_agent.diffusion.config import LEVELS, DiffusionConfig
+
+UNKNOWN: Final = 0
+"""A subgoal about which nothing is known but the noisy latent."""
+COARSE: Final = 1
+"""One that the level before has proposed."""
+GIVEN: Final = 2
+"""One that is given: now, and the goal if it is in-painted."""
+
+
+class Known(NamedTuple):
+    """What is known of a chain before it is denoised.
+
+    Attributes:
+        latents: (B, L, Z) normalised; zero where nothing is known.
+        kinds: (B, L) ``UNKNOWN``, ``COARSE`` or ``GIVEN``.
+        goal: (B, Z) the goal, normalised.
+        foreign: (B,) bool, the goal was specified in another scene.
+        scene: (B, A, 3 + F) scene tokens seen from now.
+        level: (B,) 1 to ``LEVELS``.
+    """
+
+    latents: Tensor
+    kinds: Tensor
+    goal: Tensor
+    foreign: Tensor
+    scene: Tensor
+    level: Tensor
+
+
+class Denoiser(nn.Module):
+    """Predicts the clean latents of a chain; latents are normalised by what training states show.
+
+    Attributes:
+        mean: (Z,) of the latents of training states.
+        deviation: (Z,) their standard deviations.
+    """
+
+    mean: Tensor
+    deviation: Tensor
+
+    def __init__(
+        self,
+        config: DiffusionConfig,
+        mean: Tensor | None = None,
+        deviation: Tensor | None = None,
+    ) -> None:
+        """Build the layers; ``mean`` and ``deviation`` are None while weights are loaded."""
+        super().__init__()
+        self.config = config
+        width, latent = config.width, config.latent
+        self.noisy = nn.Linear(latent, width)
+        self.known = nn.Linear(latent, width)
+        self.kind = nn.Embedding(3, width)
+        self.place = nn.Linear(width, width)
+        self.scene = nn.Sequential(
+            nn.Linear(config.scene_features + 3, width), nn.SiLU(), nn.Linear(width, width)
+        )
+        self.goal = nn.Linear(latent, width)
+        self.foreign = nn.Embedding(2, width)
+        self.time = nn.Sequential(nn.Linear(width, width), nn.SiLU(), nn.Linear(width, width))
+        self.level = nn.Embedding(LEVELS + 1, width)
+        self.blocks = nn.ModuleList(_Block(width, config.heads) for _ in range(config.layers))
+        self.out = nn.Linear(width, latent)
+        self.register_buffer("mean", torch.zeros(latent) if mean is None else mean)
+        self.register_buffer("deviation", torch.ones(latent) if deviation is None else deviation)
+
+    def forward(self, noisy: Tensor, time: Tensor, known: Known) -> Tensor:
+        """Clean latents (B, L, Z).
+
+        Args:
+            noisy: (B, L, Z).
+            time: (B,) step of the diffusion, in [0, ``config.steps``).
+            known: the rest.
+        """
+        width = self.config.width
+        where = torch.linspace(0.0, 1.0, noisy.shape[1], device=noisy.device)
+        tokens = (
+            self.noisy(noisy)
+            + self.known(known.latents)
+            + self.kind(known.kinds)
+            + self.place(_waves(where, width))
+        )
+        goal = self.goal(known.goal) + self.foreign(known.foreign.long())
+        memory = torch.cat([self.scene(known.scene), goal[:, None]], dim=1)
+        condition = self.time(_waves(time / self.config.steps, width)) + self.level(known.level)
+        for block in self.blocks:
+            tokens = block(tokens, memory, condition)
+        clean: Tensor = self.out(functional.layer_norm(tokens, (width,)))
+        return clean
+
+
+class _Block(nn.Module):
+    """Attention among subgoals, then to the scene, then a perceptron, each steered (AdaLN)."""
+
+    def __init__(self, width: int, heads: int) -> None:
+        super().__init__()
+        self.width = width
+        self.steer = nn.Linear(width, 9 * width)
+        self.among = _Attention(width, heads)
+        self.around = _Attention(width, heads)
+        self.perceptron = nn.Sequential(
+            nn.Linear(width, 4 * width), nn.SiLU(), nn.Linear(4 * width, width)
+        )
+
+    def forward(self, tokens: Tensor, memory: Tensor, condition: Tensor) -> Tensor:
+        parts = self.steer(functional.silu(condition))[:, None].chunk(9, dim=-1)
+        normal = self._normalise(tokens, parts[0], parts[1])
+        tokens = tokens + parts[2] * self.among(normal, normal)
+        normal = self._normalise(tokens, parts[3], parts[4])
+        tokens = tokens + parts[5] * self.around(normal, memory)
+        normal = self._normalise(tokens, parts[6], parts[7])
+        steered: Tensor = tokens + parts[8] * self.perceptron(normal)
+        return steered
+
+    def _normalise(self, tokens: Tensor, scale: Tensor, shift: Tensor) -> Tensor:
+        return functional.layer_norm(tokens, (self.width,)) * (1.0 + scale) + shift
+
+
+class _Attention(nn.Module):
+    def __init__(self, width: int, heads: int) -> None:
+        super().__init__()
+        self.heads = heads
+        self.query = nn.Linear(width, width)
+        self.key_value = nn.Linear(width, 2 * width)
+        self.out = nn.Linear(width, width)
+
+    def forward(self, tokens: Tensor, memory: Tensor) -> Tensor:
+        query = self._split(self.query(tokens))
+        key, value = map(self._split, self.key_value(memory).chunk(2, dim=-1))
+        found = functional.scaled_dot_product_attention(query, key, value)
+        gathered: Tensor = self.out(found.transpose(1, 2).flatten(2))
+        return gathered
+
+    def _split(self, values: Tensor) -> Tensor:
+        return values.view(*values.shape[:2], self.heads, -1).transpose(1, 2)
+
+
+def _waves(values: Tensor, width: int) -> Tensor:
+    """(...) in [0, 1] -> sines and cosines (..., width)."""
+    frequencies = torch.logspace(0.0, 3.0, width // 2, device=values.device) * math.pi / 2
+    angles = values[..., None] * frequencies
+    return torch.cat([angles.sin(), angles.cos()], dim=-1)

@@ -1,0 +1,121 @@
+"""Generate chains: level by level, refined while any pair of subgoals is too far apart."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from icd_agent.diffusion.config import LEVELS, ChainConfig
+from icd_agent.diffusion.denoiser import COARSE, GIVEN, UNKNOWN, Denoiser, Known
+from icd_agent.diffusion.schedule import make_schedule
+from icd_agent.latent.model import LatentModel
+from icd_agent.latent.reachability import shortest_steps
+
+
+class Task(NamedTuple):
+    """What a chain is wanted for.
+
+    Attributes:
+        now: (Z,) latent of the present state.
+        goal: (Z,) latent of the goal, in the scene it was specified in.
+        foreign: that scene is another.
+        scene: (A, 3 + F) scene tokens seen from now.
+    """
+
+    now: Tensor
+    goal: Tensor
+    foreign: bool
+    scene: Tensor
+
+
+class Generated(NamedTuple):
+    """A chain, from now to the goal.
+
+    Attributes:
+        latents: (L, Z), L = 2 to ``LONGEST``; the first is now.
+        steps: (L - 1,) predicted control steps between consecutive ones.
+    """
+
+    latents: Tensor
+    steps: Tensor
+
+
+class Generator:
+    """Draws chains with trained networks."""
+
+    def __init__(self, denoiser: Denoiser, latent: LatentModel, config: ChainConfig) -> None:
+        """Put together.
+
+        Args:
+            denoiser: in evaluation mode.
+            latent: in evaluation mode, the one whose latents the denoiser was trained on.
+            config: how.
+        """
+        self._denoiser = denoiser
+        self._latent = latent
+        self.config = config
+        self._schedule = make_schedule(denoiser.config.steps)
+        self._schedule.set_timesteps(config.denoising_steps)
+
+    @torch.no_grad()
+    def generate(self, task: Task, rng: np.random.Generator) -> Generated:
+        """Draw chains and keep the one that is predicted to be the easiest to follow.
+
+        Args:
+            task: where from and where to.
+            rng: source of every draw.
+        """
+        count = self.config.chains
+        foreign = task.foreign and not self.config.inpaint_goal
+        ends = self._normalise(torch.stack([task.now, task.goal]))
+        chains = ends.expand(count, -1, -1)
+        for level in range(1, LEVELS + 1):
+            chains = self._refine(chains, task, level, foreign, rng)
+            steps = self.steps(chains * self._denoiser.deviation + self._denoiser.mean, task.scene)
+            if bool(steps.amax(dim=1).amin() <= self.config.reachable):
+                break
+        best = int(steps.square().sum(dim=1).argmin())
+        latents = chains[best] * self._denoiser.deviation + self._denoiser.mean
+        return Generated(latents, steps[best])
+
+    def steps(self, chains: Tensor, scene: Tensor) -> Tensor:
+        """Predicted control steps (C, L - 1) between consecutive latents (C, L, Z)."""
+        first, second = chains[:, :-1].flatten(0, 1), chains[:, 1:].flatten(0, 1)
+        logits = self._latent.reachability(first, second, scene.expand(len(first), -1, -1))
+        return shortest_steps(logits, self._latent.config).view(len(chains), -1)
+
+    def _normalise(self, latents: Tensor) -> Tensor:
+        return (latents - self._denoiser.mean) / self._denoiser.deviation
+
+    def _refine(
+        self, chains: Tensor, task: Task, level: int, foreign: bool, rng: np.random.Generator
+    ) -> Tensor:
+        """Chains (C, 2^(level-1) + 1, Z) -> (C, 2^level + 1, Z)."""
+        count, length = len(chains), 2**level + 1
+        shown = chains.new_zeros(count, length, chains.shape[-1])
+        shown[:, ::2] = chains
+        kinds = torch.full((length,), UNKNOWN)
+        kinds[::2] = COARSE
+        kinds[0] = GIVEN
+        kinds[-1] = GIVEN if not foreign else COARSE if level > 1 else UNKNOWN
+        shown = shown * (kinds != UNKNOWN)[:, None]
+        known = Known(
+            shown,
+            kinds.expand(count, -1),
+            self._normalise(task.goal).expand(count, -1),
+            torch.full((count,), task.foreign),
+            task.scene.expand(count, -1, -1),
+            torch.full((count,), level),
+        )
+        given = (kinds == GIVEN)[:, None]
+        noise = rng.normal(size=shown.shape).astype(np.float32)
+        values = torch.where(given, shown, torch.from_numpy(noise))
+        for time in self._schedule.timesteps:
+            clean = self._denoiser(values, time.expand(count), known)
+            clean = torch.where(given, shown, clean)
+            values = self._schedule.step(clean, time, values, return_dict=False)[0]
+            values = torch.where(given, shown, values)
+        return values

@@ -1,0 +1,1 @@
+"""Latents: object states as short vectors, and how many steps lie between two of them."""

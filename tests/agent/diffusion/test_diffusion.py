@@ -1,0 +1,189 @@
+"""Chains: what is told of them, what is generated, and that it goes round the wall."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+import torch
+
+from icd_agent.diffusion.chains import ChainData
+from icd_agent.diffusion.config import LEVELS, LONGEST, ChainConfig, DiffusionConfig
+from icd_agent.diffusion.denoiser import COARSE, GIVEN, UNKNOWN, Denoiser
+from icd_agent.diffusion.generate import Generator, Task
+from icd_agent.diffusion.train import encode_states, load_diffusion, train_diffusion
+from icd_agent.latent.config import LatentConfig
+from icd_agent.latent.model import LatentModel
+from icd_agent.latent.train import load_latent, train_latent
+from icd_agent.states import States
+from icd_agent.training.config import TrainingConfig
+from icd_envs.errors import InvalidOptionError
+from tests.agent.toy_states import CANONICAL, bar_at, toy_states
+
+LATENT = LatentConfig(3, 4, latent=8, groups=6, neighbours=4, width=16, decoder_width=16)
+SMALL = DiffusionConfig(8, 4, width=48, layers=2, heads=2)
+
+
+class Networks(NamedTuple):
+    latent: LatentModel
+    denoiser: Denoiser
+
+
+@pytest.fixture(scope="module")
+def networks(tmp_path_factory: pytest.TempPathFactory) -> Networks:
+    folder, states = tmp_path_factory.mktemp("networks"), toy_states()
+    config = TrainingConfig(steps=500, learning_rate=5e-3, warmup=20, log_every=50, ema=0.98)
+    train_latent(states, LATENT, config, folder / "latent", about={})
+    latent = load_latent(folder / "latent")
+    config = TrainingConfig(steps=500, learning_rate=2e-3, warmup=20, log_every=50, ema=0.98)
+    train_diffusion(states, latent, SMALL, config, folder / "diffusion", about={})
+    return Networks(latent, load_diffusion(folder / "diffusion"))
+
+
+def task(networks: Networks, *, foreign: bool = False) -> Task:
+    states = toy_states(1, seed=5)
+    ends = bar_at(np.array([[-0.2, 0.1, 0.0], [0.2, 0.0, 0.0]]))
+    with torch.no_grad():
+        now, goal = networks.latent.encode(torch.from_numpy(ends), torch.from_numpy(CANONICAL))
+    scene = torch.from_numpy(states.tokens.seen_from(ends[0].mean(axis=0), 0.2))[0]
+    return Task(now, goal, foreign, scene)
+
+
+def test_a_generated_chain_goes_round_the_wall_in_order(networks: Networks) -> None:
+    generator = Generator(networks.denoiser, networks.latent, ChainConfig(reachable=1.0))
+    found = generator.generate(task(networks), np.random.default_rng(0))
+    assert found.latents.shape == (LONGEST, 8)
+    with torch.no_grad():
+        clouds = networks.latent.decode(found.latents, torch.from_numpy(CANONICAL)).numpy()
+    places = (clouds - CANONICAL).mean(axis=1)
+    assert places[:, 1].max() > 0.17  # over the wall: straight ahead it would only sink
+    assert (np.diff(places[:, 0]) > -0.03).all()
+    np.testing.assert_allclose(places[0], [-0.2, 0.1, 0.0], atol=0.04)
+    np.testing.assert_allclose(places[-1], [0.2, 0.0, 0.0], atol=0.04)
+    apart = np.linalg.norm(np.diff(places, axis=0), axis=1)
+    assert apart.max() < 3 * np.median(apart)
+
+
+@pytest.mark.parametrize(("reachable", "length"), [(1e6, 3), (1e-3, LONGEST)])
+def test_chains_are_refined_until_every_pair_is_reachable(
+    networks: Networks, reachable: float, length: int
+) -> None:
+    config = ChainConfig(chains=2, denoising_steps=2, reachable=reachable)
+    found = Generator(networks.denoiser, networks.latent, config).generate(
+        task(networks), np.random.default_rng(0)
+    )
+    assert len(found.latents) == length
+    assert len(found.steps) == length - 1
+
+
+def test_same_draws_same_bits_and_other_draws_other_chains(networks: Networks) -> None:
+    generator = Generator(networks.denoiser, networks.latent, ChainConfig(chains=2))
+    first, again, other = (
+        generator.generate(task(networks), np.random.default_rng(seed)).latents
+        for seed in (1, 1, 2)
+    )
+    assert torch.equal(first, again)
+    assert not torch.equal(first[:3], other[:3])
+
+
+def test_a_foreign_goal_is_generated_unless_in_painted(networks: Networks) -> None:
+    wanted = task(networks, foreign=True)
+    ends = {}
+    for inpaint in (True, False):
+        config = ChainConfig(chains=1, denoising_steps=4, inpaint_goal=inpaint)
+        generator = Generator(networks.denoiser, networks.latent, config)
+        ends[inpaint] = generator.generate(wanted, np.random.default_rng(0)).latents[-1]
+    torch.testing.assert_close(ends[True], wanted.goal, atol=1e-5, rtol=0.0)
+    assert not torch.allclose(ends[False], wanted.goal, atol=1e-4)
+
+
+def numbered(states: States) -> ChainData:
+    """Chain data whose latents are the rows of the states."""
+    rows = torch.arange(len(states.step), dtype=torch.float32)
+    return ChainData(states, rows[:, None].expand(-1, 8).contiguous(), 0.2)
+
+
+def test_chains_tell_ends_and_every_second_subgoal_and_nothing_else() -> None:
+    states = toy_states()
+    data = numbered(states)
+    levels = set()
+    for seed in range(30):
+        clean, known = data.draw(16, np.random.default_rng(seed))
+        rows = clean[..., 0].long().numpy()
+        level = int(known.level[0])
+        levels.add(level)
+        assert rows.shape == (16, 2**level + 1)
+        assert (states.episode[rows] == states.episode[rows[:, :1]]).all()
+        assert (np.diff(rows, axis=1) >= 1).all()
+        apart = np.diff(rows, axis=1)
+        assert (apart.max(axis=1) - apart.min(axis=1) <= 1).all()  # equal, but for rounding
+        assert (known.kinds[:, 0] == GIVEN).all()
+        assert (known.kinds[:, 1::2] == UNKNOWN).all()
+        assert (known.latents[known.kinds == UNKNOWN] == 0).all()
+        assert (known.kinds[:, 2:-1:2] == COARSE).all()
+        own = ~known.foreign
+        assert (known.kinds[own, -1] == GIVEN).all()
+        assert (known.kinds[known.foreign, -1] == (COARSE if level > 1 else UNKNOWN)).all()
+        assert torch.equal(known.goal[own], clean[own, -1])
+        torch.testing.assert_close(known.latents[:, 0], clean[:, 0])
+    assert levels == set(range(1, LEVELS + 1))
+
+
+def test_foreign_goals_have_the_same_parts_done() -> None:
+    states = toy_states()
+    done = states.solved.copy()
+    done[states.first[1:] - 1, 0] = np.arange(len(states.first) - 1) % 2 == 0
+    states = states._replace(solved=done)
+    data = numbered(states)
+    seen = 0
+    for seed in range(20):
+        clean, known = data.draw(32, np.random.default_rng(seed))
+        own = clean[known.foreign, -1, 0].long().numpy()
+        other = known.goal[known.foreign, 0].long().numpy()
+        assert (done[own] == done[other]).all()
+        seen += int((own != other).sum())
+    assert seen > 50
+
+
+def test_latents_are_those_of_the_states(networks: Networks) -> None:
+    states = toy_states(3)
+    latents = encode_states(states, networks.latent)
+    features = torch.from_numpy(states.features[[4]].astype(np.float32))
+    with torch.no_grad():
+        one = networks.latent.encode(features, torch.from_numpy(CANONICAL))
+    torch.testing.assert_close(latents[[4]], one, atol=1e-5, rtol=1e-5)
+
+
+def test_a_killed_run_goes_on_to_the_same_weights(networks: Networks, tmp_path: Path) -> None:
+    class KilledError(Exception):
+        pass
+
+    def stop(step: int, terms: dict[str, float]) -> None:
+        if step == 10:
+            raise KilledError
+
+    states, latent = toy_states(5), networks.latent
+    config = TrainingConfig(steps=20, save_every=5, log_every=5)
+    whole = train_diffusion(states, latent, SMALL, config, tmp_path / "a", about={}).model
+    with pytest.raises(KilledError):
+        train_diffusion(states, latent, SMALL, config, tmp_path / "b", about={}, seen=stop)
+    train_diffusion(states, latent, SMALL, config, tmp_path / "b", about={})
+    again = load_diffusion(tmp_path / "b").state_dict()
+    assert all(torch.equal(value, again[name]) for name, value in whole.state_dict().items())
+
+
+@pytest.mark.parametrize(
+    ("config", "wrong"),
+    [
+        (ChainConfig, {"chains": 0}),
+        (ChainConfig, {"reachable": 0.0}),
+        (DiffusionConfig, {"width": 50}),
+        (DiffusionConfig, {"layers": 0}),
+    ],
+)
+def test_wrong_settings_are_refused(config: type, wrong: dict[str, float]) -> None:
+    sizes = {"latent": 8, "scene_features": 4} if config is DiffusionConfig else {}
+    with pytest.raises(InvalidOptionError, match=next(iter(wrong))):
+        config(**{**sizes, **wrong})

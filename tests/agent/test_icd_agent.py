@@ -1,0 +1,116 @@
+"""ICD as a policy: composed of networks that fit, saved and read back to the same actions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+import pytest
+import torch
+
+from icd_agent.agent import PRESETS, ICDAgent, Networks
+from icd_agent.diffusion.config import DiffusionConfig
+from icd_agent.diffusion.denoiser import Denoiser
+from icd_agent.latent.config import LatentConfig
+from icd_agent.latent.model import LatentModel
+from icd_agent.training.initial import initialise
+from icd_envs.api import Agent
+from icd_envs.errors import CheckpointError, EpisodeStateError, InvalidOptionError
+from tests.agent.field.small import SMALL, small_field
+from tests.envs.making import CABLE
+
+FEATURES = SMALL.descriptor
+LATENT = LatentConfig(FEATURES, FEATURES, latent=8, groups=6, neighbours=4, width=16)
+DENOISER = DiffusionConfig(8, FEATURES, width=32, layers=1, heads=2)
+
+
+def networks() -> Networks:
+    """With random weights: whatever they say, the agent must act on it."""
+    found = Networks(small_field(), LatentModel(LATENT).eval(), Denoiser(DENOISER).eval())
+    for network in (found.latent, found.diffusion):
+        initialise(network, torch.Generator().manual_seed(0))
+    return found
+
+
+@pytest.fixture
+def env() -> Iterator[gym.Env[Any, Any]]:
+    env = gym.make(CABLE)
+    yield env
+    env.close()
+
+
+def actions(agent: ICDAgent, env: gym.Env[Any, Any], steps: int = 2) -> np.ndarray:
+    observation, _ = env.reset(seed=3)
+    unwrapped: Any = env.unwrapped
+    agent.reset(unwrapped.episode(simulator=True), seed=1)
+    found = []
+    for _ in range(steps):
+        found.append(agent.act(observation))
+        observation = env.step(found[-1])[0]
+    return np.array(found)
+
+
+@pytest.mark.parametrize("preset", PRESETS)
+def test_it_is_an_agent_that_plans_along_a_chain(env: gym.Env[Any, Any], preset: str) -> None:
+    agent = ICDAgent(networks(), preset)
+    assert isinstance(agent, Agent)
+    assert agent.needs_simulator
+    found = actions(agent, env)
+    assert found.shape == (2, 3)
+    assert np.abs(found).max() <= 1
+    assert agent.plan_info is not None
+    assert agent.plan_info.chain_length >= 2
+    assert agent.plan_view() is not None
+
+
+def test_saved_and_read_back_it_acts_the_same_to_the_bit(
+    env: gym.Env[Any, Any], tmp_path: Path
+) -> None:
+    agent = ICDAgent(networks())
+    agent.save_pretrained(tmp_path)
+    before = actions(agent, env)
+    for source in (tmp_path, str(tmp_path)):
+        np.testing.assert_array_equal(actions(ICDAgent.from_pretrained(source), env), before)
+
+
+def test_predict_is_the_policy_interface_of_stable_baselines(env: gym.Env[Any, Any]) -> None:
+    observation, _ = env.reset(seed=3)
+    agent = ICDAgent(networks(), env=env)
+    action, state = agent.predict(observation)
+    assert action.shape == (3,)
+    assert state is None
+    batched = {name: value[None] for name, value in observation.items()}
+    again, _ = agent.predict(batched, episode_start=np.array([True]))
+    np.testing.assert_array_equal(again, action[None])
+
+
+def test_predict_says_what_is_missing(env: gym.Env[Any, Any]) -> None:
+    observation, _ = env.reset(seed=3)
+    with pytest.raises(EpisodeStateError, match="env="):
+        ICDAgent(networks()).predict(observation)
+    two = {name: np.stack([value, value]) for name, value in observation.items()}
+    with pytest.raises(InvalidOptionError, match="2 environments"):
+        ICDAgent(networks(), env=env).predict(two)
+
+
+def test_unknown_preset_is_refused() -> None:
+    with pytest.raises(InvalidOptionError, match="did you mean"):
+        ICDAgent(networks(), "imporved")
+
+
+def test_networks_that_do_not_fit_one_another_are_refused() -> None:
+    fitting = networks()
+    other = LatentConfig(FEATURES + 1, FEATURES, latent=8)
+    with pytest.raises(CheckpointError, match="9 features"):
+        ICDAgent(fitting._replace(latent=LatentModel(other).eval()))
+    wider = DiffusionConfig(16, FEATURES, width=32, layers=1, heads=2)
+    with pytest.raises(CheckpointError, match="16 numbers"):
+        ICDAgent(fitting._replace(diffusion=Denoiser(wider).eval()))
+
+
+def test_missing_weights_are_named(tmp_path: Path) -> None:
+    with pytest.raises(CheckpointError, match=str(tmp_path)):
+        ICDAgent.from_pretrained(tmp_path)

@@ -1,0 +1,53 @@
+"""What models are told of a scene turns and moves with it, and nothing else."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from icd_agent.field.field import SceneField
+from icd_agent.scene_tokens import TOKENS, scene_tokens
+from icd_envs.api import Float32Array
+from tests.agent.field.small import SMALL, small_data
+
+
+@pytest.fixture(scope="module")
+def scene() -> Float32Array:
+    return small_data().draw(1, 4, np.random.default_rng(0))[0][0].numpy()
+
+
+@settings(max_examples=10, deadline=None)
+@given(yaw=st.floats(-3.0, 3.0), x=st.floats(-1.0, 1.0), y=st.floats(-1.0, 1.0))
+def test_nothing_tells_where_in_the_world_a_scene_is(
+    scene: Float32Array, yaw: float, x: float, y: float
+) -> None:
+    field = SceneField(SMALL).eval()
+    middle = np.array([0.3, -0.2, 0.1])
+    turn = Rotation.from_euler("z", yaw)
+
+    def seen(places: Float32Array, about: np.ndarray) -> Float32Array:
+        return scene_tokens(field, places).seen_from(about, 0.2)
+
+    before = seen(scene, middle)
+    shift = np.array([x, y, 0.0])
+    after = seen((turn.apply(scene) + shift).astype(np.float32), turn.apply(middle) + shift)
+    assert before.shape == (TOKENS, 3 + SMALL.descriptor)
+    np.testing.assert_allclose(after, before, atol=2e-3)
+
+
+def test_the_object_is_ahead(scene: Float32Array) -> None:
+    tokens = scene_tokens(SceneField(SMALL).eval(), scene)
+    origin = tokens.places.mean(axis=0)
+    toward = tokens.places[5] - origin
+    seen = tokens.seen_from(origin + 3.0 * toward, 0.2)
+    np.testing.assert_allclose(seen[5, :2], [np.linalg.norm(toward[:2]) / 0.2, 0.0], atol=1e-4)
+    np.testing.assert_allclose(seen[:, :2].mean(axis=0), 0.0, atol=1e-5)
+
+
+def test_an_object_right_above_the_scene_is_no_error(scene: Float32Array) -> None:
+    tokens = scene_tokens(SceneField(SMALL).eval(), scene)
+    seen = tokens.seen_from(tokens.places.mean(axis=0), 0.2)
+    assert np.isfinite(seen).all()
