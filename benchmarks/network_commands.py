@@ -28,6 +28,11 @@ Device = Annotated[str, typer.Option(help="cpu, or cuda.")]
 Field = Annotated[
     Path | None, typer.Option(help="Folder of a trained field.", show_default="the package's")
 ]
+Latent = Annotated[
+    Path | None,
+    typer.Option(help="Folder of a trained autoencoder.", show_default="the package's"),
+]
+Scenes = Annotated[int, typer.Option(min=1, help="Test scenes.")]
 Episodes = Annotated[int, typer.Option(min=1, help="Episodes that are used, at most.")]
 Steps = Annotated[int, typer.Option(min=1, help="Optimiser steps.")]
 
@@ -110,10 +115,7 @@ def train_diffusion(
     data: Data,
     out: Out,
     field: Field = None,
-    latent: Annotated[
-        Path | None,
-        typer.Option(help="Folder of a trained autoencoder.", show_default="the package's"),
-    ] = None,
+    latent: Latent = None,
     device: Device = "cpu",
     steps: Steps = 6000,
     episodes: Episodes = 1500,
@@ -141,7 +143,7 @@ def train_diffusion(
 @GROUPS["diagnose"].command("field")
 def diagnose_field(
     env: Env,
-    scenes: Annotated[int, typer.Option(min=1, help="Test scenes.")] = 10,
+    scenes: Scenes = 10,
     seed: Seed = 0,
     weights: Weights = None,
     as_json: AsJson = False,
@@ -151,6 +153,40 @@ def diagnose_field(
         from benchmarks.diagnose_field import diagnose
 
         values = diagnose(env, scenes, seed=seed, weights=weights)
+        _say(values, as_json)
+
+
+@GROUPS["diagnose"].command("latent")
+def diagnose_latent(
+    env: Env,
+    scenes: Scenes = 20,
+    seed: Seed = 0,
+    field: Field = None,
+    weights: Weights = None,
+    as_json: AsJson = False,
+) -> None:
+    """Measure the autoencoder on unseen states: what comes back, and steps between states."""
+    with errors_in_one_line():
+        from benchmarks.diagnose_latent import diagnose
+
+        _say(diagnose(env, scenes, seed=seed, field=field, weights=weights), as_json)
+
+
+@GROUPS["diagnose"].command("diffusion")
+def diagnose_diffusion(
+    env: Env,
+    scenes: Scenes = 20,
+    seed: Seed = 0,
+    field: Field = None,
+    latent: Latent = None,
+    weights: Weights = None,
+    as_json: AsJson = False,
+) -> None:
+    """Measure generated chains against what the expert did in unseen scenes."""
+    with errors_in_one_line():
+        from benchmarks.diagnose_diffusion import diagnose
+
+        values = diagnose(env, scenes, seed=seed, field=field, latent=latent, weights=weights)
         _say(values, as_json)
 
 

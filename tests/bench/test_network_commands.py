@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 from PIL import Image
@@ -115,21 +116,58 @@ def test_usage_errors_exit_2_in_one_line(arguments: tuple[str, ...], message: st
     assert len(refused.stderr.strip().splitlines()) == 1
 
 
-def test_latents_and_chains_are_trained_on_descriptors_kept_beside_the_data(
-    data: Path, weights: Path, tmp_path: Path
-) -> None:
+class Trained(NamedTuple):
+    latent: Path
+    diffusion: Path
+    printed: dict[str, dict[str, float]]
+
+
+@pytest.fixture(scope="module")
+def trained(data: Path, weights: Path, tmp_path_factory: pytest.TempPathFactory) -> Trained:
+    """Two steps of each, on descriptors of the small field."""
+    out = tmp_path_factory.mktemp("trained")
     common = ("--env", CABLE, "--data", data, "--field", weights, "--steps", 2, "--json")
-    latent = icd_bench("train", "latent", *common, "--out", tmp_path / "latent")
+    latent = icd_bench("train", "latent", *common, "--out", out / "latent")
     assert latent.exit_code == 0, latent.stderr
-    assert json.loads(latent.stdout)["recon"] > 0
+    given = ("--latent", out / "latent", "--out", out / "diffusion")
+    diffusion = icd_bench("train", "diffusion", *common, *given)
+    assert diffusion.exit_code == 0, diffusion.stderr
+    printed = {"latent": json.loads(latent.stdout), "diffusion": json.loads(diffusion.stdout)}
+    return Trained(out / "latent", out / "diffusion", printed)
+
+
+def test_latents_and_chains_are_trained_on_one_another(data: Path, trained: Trained) -> None:
+    assert trained.printed["latent"]["recon"] > 0
+    assert trained.printed["diffusion"]["loss"] > 0
+    about = json.loads((trained.diffusion / "config.json").read_text())["about"]["data"]
+    latent = json.loads((trained.latent / "config.json").read_text())
+    assert about["latent"] == latent["sha256"]
+    assert about["field"] == latent["about"]["data"]["field"]
+    # Descriptors are computed once, for both.
     kept = [path for path in data.parent.iterdir() if path.name.startswith(f"{data.name}-2-")]
     assert len(kept) == 1
-    before = (kept[0] / "features.npy").stat().st_mtime_ns
-    out = ("--latent", tmp_path / "latent", "--out", tmp_path / "diffusion")
-    diffusion = icd_bench("train", "diffusion", *common, *out)
-    assert diffusion.exit_code == 0, diffusion.stderr
-    assert json.loads(diffusion.stdout)["loss"] > 0
-    assert (kept[0] / "features.npy").stat().st_mtime_ns == before
-    about = json.loads((tmp_path / "diffusion" / "config.json").read_text())["about"]["data"]
-    sha256 = json.loads((tmp_path / "latent" / "config.json").read_text())["sha256"]
-    assert about["latent"] == sha256
+    assert json.loads((kept[0] / "states.json").read_text())["done"] == 2
+
+
+def test_latents_are_diagnosed_on_unseen_states(weights: Path, trained: Trained) -> None:
+    command = ("diagnose", "latent", "--env", CABLE, "--scenes", 2, "--field", weights)
+    found = icd_bench(*command, "--weights", trained.latent, "--json")
+    assert found.exit_code == 0, found.stderr
+    values = json.loads(found.stdout)
+    assert values["scenes"] == 2
+    assert values["states"] > 20
+    assert values["reconstruction_error"] > 0.1  # two steps teach nothing
+    assert values["bins_off"] > 0
+    assert -1 <= values["rank_correlation"] <= 1
+
+
+def test_chains_are_diagnosed_in_unseen_scenes(weights: Path, trained: Trained) -> None:
+    command = ("diagnose", "diffusion", "--env", CABLE, "--scenes", 2, "--field", weights)
+    given = ("--latent", trained.latent, "--weights", trained.diffusion)
+    found = icd_bench(*command, *given, "--json")
+    assert found.exit_code == 0, found.stderr
+    values = json.loads(found.stdout)
+    assert values["chain_mse"] > 0
+    assert values["line_mse"] > 0
+    assert values["goal_distance"] > 0
+    assert -1 <= values["order"] <= 1

@@ -1,0 +1,113 @@
+"""What ``icd-bench diagnose diffusion`` does: generated chains against what really happened."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import torch
+from scipy.stats import kendalltau
+from torch import Tensor
+
+from benchmarks.console import Values
+from benchmarks.held_out import held_out_states
+from icd_agent.diffusion.config import LONGEST, ChainConfig
+from icd_agent.diffusion.denoiser import Denoiser
+from icd_agent.diffusion.generate import Generator, Task
+from icd_agent.diffusion.train import KIND as DIFFUSION
+from icd_agent.diffusion.train import encode_states, load_diffusion
+from icd_agent.latent.train import KIND as LATENT
+from icd_agent.latent.train import load_latent
+from icd_agent.states import States
+from icd_agent.weights import shipped_folder
+
+UNREACHABLE = 1e-3
+"""[control steps] no pair is reachable within, so that every chain is refined to the end."""
+
+
+def diagnose(
+    env_id: str,
+    scenes: int,
+    *,
+    seed: int,
+    field: Path | None,
+    latent: Path | None,
+    weights: Path | None,
+) -> Values:
+    """Measure a denoiser: chains of 17 from first to last states of the noisy expert.
+
+    Args:
+        env_id: which environment.
+        scenes: how many test scenes.
+        seed: of scenes and chains.
+        field: folder of the field; None is the package's.
+        latent: folder of the autoencoder; None is the package's.
+        weights: folder of the denoiser; None is the package's.
+
+    Returns:
+        All distances are between latents normalised to unit variance, root mean square per
+        number: ``nearest_state``, of generated subgoals to the nearest real state of their scene;
+        ``step_distance``, between consecutive states of a real chain, to compare it with;
+        ``order``, Kendall's tau of the subgoals' places in the chain and the times of these
+        states; ``endpoint_error``, of a last subgoal generated for a goal of another scene, to the
+        last state of its own; ``goal_distance``, of that foreign goal itself; and mean squared
+        errors of the whole chain against states at equal distances: ``chain_mse``, beside
+        ``line_mse`` of a straight line between the ends and ``other_scene_mse`` of a chain
+        generated with another scene's tokens.
+
+    Raises:
+        IcdError: unknown environment, missing or damaged weights.
+    """
+    model = load_latent(shipped_folder(env_id, LATENT) if latent is None else latent)
+    denoiser = load_diffusion(shipped_folder(env_id, DIFFUSION) if weights is None else weights)
+    generator = Generator(denoiser, model, ChainConfig(reachable=UNREACHABLE))
+    states = held_out_states(env_id, scenes, seed=seed, field=field)
+    latents = encode_states(states, model)
+    rng = np.random.default_rng([seed])
+    found = [_chain(states, latents, i, denoiser, generator, rng) for i in range(scenes)]
+    return {
+        "scenes": scenes,
+        **{name: float(np.mean([each[name] for each in found])) for name in found[0]},
+    }
+
+
+def _chain(
+    states: States,
+    latents: Tensor,
+    i: int,
+    denoiser: Denoiser,
+    generator: Generator,
+    rng: np.random.Generator,
+) -> dict[str, float]:
+    def normal(values: Tensor) -> Tensor:
+        return (values - denoiser.mean) / denoiser.deviation
+
+    first, end = states.first[i : i + 2]
+    other = (i + 1) % (len(states.first) - 1)
+    real = normal(latents[first:end])
+    size = denoiser.config.scene_size
+
+    def generate(scene_of: int, goal_of: int) -> Tensor:
+        foreign = goal_of != i
+        goal = latents[states.first[goal_of + 1] - 1]
+        tokens = torch.from_numpy(states.seen_from(states.first[[scene_of]], size)[0])
+        task = Task(latents[first], goal, foreign, tokens)
+        return normal(generator.generate(task, rng).latents)
+
+    chain, foreign, elsewhere = generate(i, i), generate(i, other), generate(other, i)
+    places = np.rint(np.linspace(0, len(real) - 1, LONGEST)).astype(np.int64)
+    true = real[torch.from_numpy(places)]
+    share = torch.linspace(0.0, 1.0, LONGEST)[:, None]
+    line = true[0] + share * (true[-1] - true[0])
+    apart = (chain[:, None] - real[None]).square().mean(-1).sqrt()
+    goal = normal(latents[states.first[other + 1] - 1])
+    return {
+        "nearest_state": float(apart.amin(dim=1)[1:-1].mean()),
+        "step_distance": float((true[1:] - true[:-1]).square().mean(-1).sqrt().mean()),
+        "order": float(kendalltau(np.arange(LONGEST), apart.argmin(dim=1).numpy()).statistic),
+        "endpoint_error": float((foreign[-1] - real[-1]).square().mean().sqrt()),
+        "goal_distance": float((goal - real[-1]).square().mean().sqrt()),
+        "chain_mse": float((chain - true).square().mean()),
+        "line_mse": float((line - true).square().mean()),
+        "other_scene_mse": float((elsewhere - true).square().mean()),
+    }
