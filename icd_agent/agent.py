@@ -44,11 +44,15 @@ class Preset(NamedTuple):
 
 
 PRESETS: Final = {
-    "paper": Preset("adaptive", ChainConfig(chains=1, inpaint_goal=True), TrackerConfig()),
+    "paper": Preset(
+        "adaptive",
+        ChainConfig(chains=1, inpaint_goal=True, keep_shorter=False),
+        TrackerConfig(replan_every=20),
+    ),
     "improved": Preset(
         "improved",
         ChainConfig(),
-        TrackerConfig(threshold=0.5, spacing="own", window=1, patience=20),
+        TrackerConfig(threshold=0.5, spacing="own", window=1, patience=20, replan_every=40),
     ),
 }
 """``paper``: one chain, minimum over all remaining subgoals, the goal in-painted. ``improved``: the

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Literal, NamedTuple, Protocol
+from typing import Literal, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -70,6 +70,30 @@ class SubgoalSource(Protocol):
             observation: the present one.
             space: in which distances are measured.
             rng: source of every draw.
+        """
+        ...
+
+
+@runtime_checkable
+class ReplanningSource(SubgoalSource, Protocol):
+    """A source that can be asked again on the way."""
+
+    def again(
+        self,
+        episode: Episode,
+        observation: Observation,
+        space: Placed,
+        rng: np.random.Generator,
+        index: int,
+    ) -> Subgoals | None:
+        """Another chain from now to the goal, or None to keep what is left of the last one.
+
+        Args:
+            episode: what is known of it.
+            observation: the present one.
+            space: in which distances are measured.
+            rng: source of every draw.
+            index: of the next subgoal of the last chain.
         """
         ...
 
@@ -155,20 +179,28 @@ class SubgoalChain:
         """Return the subgoals to aim at now, (W, N, D) with 1 <= W <= window."""
         return self._subgoals[self._index : self._index + self._window]
 
-    def advance(self, current: FloatArray) -> None:
+    def advance(self, current: FloatArray) -> bool:
         """Remove what has been reached, or skip one subgoal if patience has run out.
 
         Args:
             current: (N, D) present state in the cost space; call once per control step.
+
+        Returns:
+            Whether patience has run out.
         """
         squares = squared_distance(current[None, None], self.ahead())[0, 0]
         reach_squared = self._reach_squared[self._index : self._index + len(squares)]
         reached = np.flatnonzero(squares <= reach_squared)
         if reached.size:
             self._move_to(self._index + int(reached[-1]) + 1)
-        elif self._patience is not None and self._steps_since_progress >= self._patience:
+            stalled = False
+        else:
+            waited = self._steps_since_progress
+            stalled = self._patience is not None and waited >= self._patience
+        if stalled:
             self._move_to(self._index + 1)
         self._steps_since_progress += 1
+        return stalled
 
     def _move_to(self, index: int) -> None:
         self._index = min(index, len(self._subgoals) - 1)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import torch
 from torch import Tensor
@@ -11,15 +13,20 @@ from icd_agent.diffusion.generate import Generated, Generator, Task
 from icd_agent.field.field import SceneField
 from icd_agent.latent.model import LatentModel
 from icd_agent.scene_tokens import scene_tokens
-from icd_envs.api import Episode, FloatArray, Observation
+from icd_envs.api import Episode, Float32Array, FloatArray, Observation
+
+
+class _Asked(NamedTuple):
+    """A question, its answer, and what is needed to decode it."""
+
+    task: Task
+    found: Generated
+    goal: Float32Array
+    canonical: Tensor
 
 
 class DiffusedSource:
-    """The paper's Implicit Contact Diffuser as a source of subgoals.
-
-    Attributes:
-        generated: the last chain, as latents; None before the first.
-    """
+    """The paper's Implicit Contact Diffuser as a source of subgoals."""
 
     needs_oracle = False
 
@@ -34,29 +41,60 @@ class DiffusedSource:
         self._field = field
         self._latent = latent
         self._generator = generator
-        self.generated: Generated | None = None
+        self._last: _Asked | None = None
 
     def chain(
         self, episode: Episode, observation: Observation, space: Placed, rng: np.random.Generator
     ) -> Subgoals:
         """Generate subgoals from now to the goal; now itself is not one of them."""
+        return self._decode(self._generate(episode, observation, space, rng))
+
+    def again(
+        self,
+        episode: Episode,
+        observation: Observation,
+        space: Placed,
+        rng: np.random.Generator,
+        index: int,
+    ) -> Subgoals | None:
+        """Generate another chain; None if what is left of the last one takes fewer steps."""
+        assert self._last is not None
+        asked = self._generate(episode, observation, space, rng)
+        if self._generator.config.keep_shorter:
+            ahead = self._last.found.latents[index + 1 :]
+            left = torch.cat([asked.task.now[None], ahead])
+            steps = self._generator.steps(left[None], asked.task.scene)
+            if float(steps.sum()) <= float(asked.found.steps.sum()):
+                return None
+        return self._decode(asked)
+
+    def _generate(
+        self, episode: Episode, observation: Observation, space: Placed, rng: np.random.Generator
+    ) -> _Asked:
         canonical = torch.from_numpy(np.ascontiguousarray(episode.canonical_cloud, np.float32))
         goal = np.asarray(space.goal(observation["desired_goal"]), np.float32)
-        foreign = not np.array_equal(observation["scene"], observation["goal_scene"])
-        now = self._encode(space.here(observation["achieved_goal"]), canonical)
-        size = self._latent.config.scene_size
-        middle = observation["achieved_goal"].mean(axis=0)
+        task = Task(
+            now=self._encode(space.here(observation["achieved_goal"]), canonical),
+            goal=self._encode(goal, canonical),
+            foreign=not np.array_equal(observation["scene"], observation["goal_scene"]),
+            scene=self._tokens(observation),
+        )
+        return _Asked(task, self._generator.generate(task, rng), goal, canonical)
+
+    def _decode(self, asked: _Asked) -> Subgoals:
+        with torch.no_grad():
+            features = self._latent.decode(asked.found.latents[1:], asked.canonical).numpy()
+        if not asked.task.foreign or self._generator.config.inpaint_goal:
+            features[-1] = asked.goal  # better known than the autoencoder can say
+        self._last = asked
+        return Subgoals(features)
+
+    def _tokens(self, observation: Observation) -> Tensor:
         mask = observation.get("scene_mask")
         scene = observation["scene"]
         seen = scene if mask is None else scene[np.asarray(mask) > 0]
-        tokens = torch.from_numpy(scene_tokens(self._field, seen).seen_from(middle, size))
-        task = Task(now, self._encode(goal, canonical), foreign, tokens)
-        self.generated = self._generator.generate(task, rng)
-        with torch.no_grad():
-            features = self._latent.decode(self.generated.latents[1:], canonical).numpy()
-        if not foreign or self._generator.config.inpaint_goal:
-            features[-1] = goal  # better known than the autoencoder can say
-        return Subgoals(features)
+        middle, size = observation["achieved_goal"].mean(axis=0), self._latent.config.scene_size
+        return torch.from_numpy(scene_tokens(self._field, seen).seen_from(middle, size))
 
     def _encode(self, features: FloatArray, canonical: Tensor) -> Tensor:
         one = torch.from_numpy(np.ascontiguousarray(features, np.float32))[None]

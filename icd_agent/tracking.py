@@ -8,7 +8,14 @@ from typing import get_args
 
 import numpy as np
 
-from icd_agent.chain import CostSpace, Spacing, SubgoalChain, SubgoalSource
+from icd_agent.chain import (
+    CostSpace,
+    ReplanningSource,
+    Spacing,
+    SubgoalChain,
+    Subgoals,
+    SubgoalSource,
+)
 from icd_agent.mppi.costs import collision_cost, nearest_subgoal_cost, squared_distance
 from icd_agent.mppi.planner import MPPI, MPPIConfig
 from icd_agent.options import is_count, is_finite, require
@@ -37,6 +44,8 @@ class TrackerConfig:
         window: the cost is the minimum over the next so many subgoals; None is the paper's
             minimum over all that remain, which can jump ahead of a change of contact.
         patience: control steps without a subgoal removed after which one is skipped; None is never.
+        replan_every: control steps after which the source is asked for another chain, as it also is
+            when patience has run out; None is never. T of the paper.
         collision_weight: lambda_col [cost per metre of penetration and step]. The paper gives no
             value; at 1, one sphere 5 mm deep for one step costs one temperature of the paper.
     """
@@ -45,6 +54,7 @@ class TrackerConfig:
     spacing: Spacing = "median"
     window: int | None = None
     patience: int | None = 20
+    replan_every: int | None = None
     collision_weight: float = 1.0
 
     def __post_init__(self) -> None:
@@ -58,7 +68,7 @@ class TrackerConfig:
             require(is_finite(value) and value >= 0, field, value, "a finite number >= 0")
         names = get_args(Spacing)
         require(self.spacing in names, "spacing", self.spacing, f"one of {', '.join(names)}")
-        for field in ("window", "patience"):
+        for field in ("window", "patience", "replan_every"):
             value = getattr(self, field)
             require(value is None or is_count(value), field, value, "None or an integer >= 1")
 
@@ -85,11 +95,19 @@ class SubgoalTracker:
             space: where distances are measured.
             mppi: settings of the planner.
             config: how the chain is followed; the defaults of ``TrackerConfig`` if None.
+
+        Raises:
+            InvalidOptionError: ``replan_every`` with a source that cannot be asked again.
         """
         self.needs_oracle = source.needs_oracle
         self.mppi_config = mppi
         self.config = TrackerConfig() if config is None else config
         self.plan_info: PlanInfo | None = None
+        if self.config.replan_every is not None and not isinstance(source, ReplanningSource):
+            raise InvalidOptionError(
+                f"replan_every={self.config.replan_every} cannot be used with "
+                f"{type(source).__name__}: it has no again(); give None"
+            )
         self._source = source
         self.space = space
         self._episode: Episode | None = None
@@ -113,6 +131,7 @@ class SubgoalTracker:
         self._planner = MPPI(self.mppi_config, episode.action_scale)
         self._rng = np.random.default_rng(seed)
         self._chain: SubgoalChain | None = None
+        self._since_asked = 0
         self.plan_info = None
 
     def act(self, observation: Observation) -> Float32Array:
@@ -129,24 +148,14 @@ class SubgoalTracker:
         """
         if self._episode is None:
             raise EpisodeStateError("act() before reset(): call reset(episode, seed) first")
-        if self._chain is None:
-            self._placed = self.space.place(observation)
-            self._subgoals = self._source.chain(self._episode, observation, self._placed, self._rng)
-            self._chain = SubgoalChain(
-                self._subgoals.features,
-                self.config.threshold,
-                self.config.window,
-                self.config.patience,
-                self.config.spacing,
-            )
-        self._chain.advance(self._placed.here(observation["achieved_goal"]))
+        chain = self._follow(self._episode, observation)
 
         times = [time.perf_counter()]
         actions = self._planner.sample(self._rng)
         times.append(time.perf_counter())
         rollout = self._simulator.rollout(self._simulator.snapshot(), actions)
         times.append(time.perf_counter())
-        costs = self._costs(rollout, self._chain.ahead(), self._episode.gripper_spheres)
+        costs = self._costs(rollout, chain.ahead(), self._episode.gripper_spheres)
         times.append(time.perf_counter())
         update = self._planner.update(actions, costs)
         plan = self._planner.nominal
@@ -156,8 +165,8 @@ class SubgoalTracker:
         sampling, rolling, costing, updating = np.diff(times).tolist()
         self.plan_info = PlanInfo(
             status=update.status,
-            subgoal=self._chain.index,
-            chain_length=len(self._chain),
+            subgoal=chain.index,
+            chain_length=len(chain),
             best_cost=update.best_cost,
             mean_cost=update.mean_cost,
             effective_samples=update.effective_samples,
@@ -175,6 +184,31 @@ class SubgoalTracker:
     def plan_view(self) -> PlanView | None:
         """What viewers may draw of the last ``act``; None before the first of an episode."""
         return None if self.plan_info is None else self.plan_info.view()
+
+    def _follow(self, episode: Episode, observation: Observation) -> SubgoalChain:
+        """The chain as it is now: begun, moved on, or replaced."""
+        if self._chain is None:
+            self._placed = self.space.place(observation)
+            subgoals = self._source.chain(episode, observation, self._placed, self._rng)
+            self._chain = self._begin(subgoals)
+        stalled = self._chain.advance(self._placed.here(observation["achieved_goal"]))
+        every = self.config.replan_every
+        self._since_asked += 1
+        if every is not None and (stalled or self._since_asked > every):
+            assert isinstance(self._source, ReplanningSource)
+            self._since_asked = 0
+            index = self._chain.index
+            again = self._source.again(episode, observation, self._placed, self._rng, index)
+            if again is not None:
+                self._chain = self._begin(again)
+        return self._chain
+
+    def _begin(self, subgoals: Subgoals) -> SubgoalChain:
+        self._subgoals = subgoals
+        config = self.config
+        return SubgoalChain(
+            subgoals.features, config.threshold, config.window, config.patience, config.spacing
+        )
 
     def _costs(self, rollout: Rollout, subgoals: FloatArray, spheres: FloatArray) -> Float64Array:
         """Cost (K,) of each sample; inf where the physics diverged."""

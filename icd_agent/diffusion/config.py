@@ -60,12 +60,15 @@ class ChainConfig:
             apart.
         inpaint_goal: the last subgoal is the goal as it was given (the paper). Otherwise it is
             generated for the present scene whenever the goal was specified in another.
+        keep_shorter: asked again, keep what is left of the last chain unless the new one is
+            predicted to take fewer steps; otherwise the new one always replaces it (the paper).
     """
 
     chains: int = 8
     denoising_steps: int = 12
     reachable: float = 15.0
     inpaint_goal: bool = False
+    keep_shorter: bool = True
 
     def __post_init__(self) -> None:
         """Refuse values out of range.

@@ -81,6 +81,7 @@ class Generator:
         latents = chains[best] * self._denoiser.deviation + self._denoiser.mean
         return Generated(latents, steps[best])
 
+    @torch.no_grad()
     def steps(self, chains: Tensor, scene: Tensor) -> Tensor:
         """Predicted control steps (C, L - 1) between consecutive latents (C, L, Z)."""
         first, second = chains[:, :-1].flatten(0, 1), chains[:, 1:].flatten(0, 1)

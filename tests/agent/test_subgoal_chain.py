@@ -123,7 +123,7 @@ def test_goal_is_a_chain_of_one_that_can_be_drawn_whatever_the_space(space: Cost
     world = ToyWorld()
     observation = world.observation()
     placed = space.place(observation)
-    chain = GoalSource().chain(world.episode(), observation, placed)
+    chain = GoalSource().chain(world.episode(), observation, placed, np.random.default_rng(0))
     goal = observation["desired_goal"]
     np.testing.assert_array_equal(chain.features, placed.goal(goal)[None])
     np.testing.assert_array_equal(chain.clouds, goal[None])

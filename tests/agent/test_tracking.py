@@ -193,3 +193,56 @@ def test_calls_out_of_order_and_missing_simulator_are_refused() -> None:
 def test_bad_tracker_option_is_named(field: str, value: float) -> None:
     with pytest.raises(InvalidOptionError, match=f"{field}="):
         TrackerConfig(**{field: value})  # type: ignore[arg-type]
+
+
+class Again(Waypoints):
+    """Answers every later question with another chain, or keeps the last one."""
+
+    def __init__(self, first: tuple[float, float, float], then: Subgoals | None) -> None:
+        super().__init__(first)
+        self._then = then
+        self.asked: list[int] = []
+
+    def again(
+        self,
+        episode: Episode,
+        observation: Observation,
+        space: Placed,
+        rng: np.random.Generator,
+        index: int,
+    ) -> Subgoals | None:
+        self.asked.append(index)
+        return self._then
+
+
+def test_a_source_is_asked_again_and_its_answer_followed() -> None:
+    there = cloud_at(np.array([(0.0, 0.3, 0.0)]))
+    source = Again((0.3, 0.0, 0.0), Subgoals(there, there))
+    config = TrackerConfig(patience=None, replan_every=10)
+    tracker = SubgoalTracker(source, PointSpace(), preset("paper"), config)
+    path = drive(tracker, ToyWorld(), 45)
+    assert len(source.asked) == 4
+    assert np.linalg.norm(path[-1] - (0.0, 0.3, 0.0)) < 0.02
+    assert closest(path, (0.2, 0.0, 0.0)) < 0.05  # the first chain was followed until then
+
+
+def test_a_source_that_keeps_its_chain_changes_nothing() -> None:
+    config = TrackerConfig(patience=None, replan_every=3)
+    tracker = SubgoalTracker(Again((0.3, 0.0, 0.0), None), PointSpace(), preset("paper"), config)
+    kept = drive(tracker, ToyWorld(), 20)
+    tracker = SubgoalTracker(
+        Waypoints((0.3, 0.0, 0.0)), PointSpace(), preset("paper"), TrackerConfig(patience=None)
+    )
+    np.testing.assert_array_equal(kept, drive(tracker, ToyWorld(), 20))
+
+
+def test_a_source_is_asked_when_patience_runs_out() -> None:
+    source = Again((9.0, 0.0, 0.0), None)
+    config = TrackerConfig(patience=5, replan_every=1000)
+    drive(SubgoalTracker(source, PointSpace(), preset("paper"), config), ToyWorld(), 20)
+    assert len(source.asked) == 3
+
+
+def test_only_a_source_that_can_be_asked_again_may_be_asked() -> None:
+    with pytest.raises(InvalidOptionError, match="replan_every=5 cannot be used with GoalSource"):
+        goal_tracker(TrackerConfig(replan_every=5))
