@@ -10,6 +10,8 @@ import gymnasium as gym
 import numpy as np
 import pytest
 import torch
+from gymnasium.wrappers import TimeLimit
+from stable_baselines3.common.evaluation import evaluate_policy
 
 from icd_agent.agent import PRESETS, ICDAgent, Networks
 from icd_agent.diffusion.config import DiffusionConfig
@@ -85,6 +87,14 @@ def test_predict_is_the_policy_interface_of_stable_baselines(env: gym.Env[Any, A
     batched = {name: value[None] for name, value in observation.items()}
     again, _ = agent.predict(batched, episode_start=np.array([True]))
     np.testing.assert_array_equal(again, action[None])
+
+
+def test_stable_baselines_evaluates_it(env: gym.Env[Any, Any]) -> None:
+    short = TimeLimit(env, 2)
+    agent = ICDAgent(networks(), env=short)
+    returns, lengths = evaluate_policy(agent, short, 2, return_episode_rewards=True, warn=False)
+    assert lengths == [2, 2]
+    assert returns == [-2.0, -2.0]
 
 
 def test_predict_says_what_is_missing(env: gym.Env[Any, Any]) -> None:
