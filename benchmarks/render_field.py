@@ -25,6 +25,8 @@ ARROWS: Final = 8
 """Pixels between arrows."""
 MARGIN: Final = 0.08
 """[m] around the fixtures that a slice shows."""
+BELOW = 0.75
+"""Share of the median height of surfaces, which is often just that of a table's top."""
 FLOOR: Final = 0.003
 """[m] cloud points above this are of fixtures."""
 
@@ -109,10 +111,12 @@ def _ask(field: SceneField, cloud: Float32Array, points: FloatArray) -> FieldOut
 def _draw_slice(
     axis: Axes, field: SceneField, scene: _Scene, colours: _Colours, *, upright: bool
 ) -> None:
-    """A level slice through the middle of the lowest fixture, or an upright one along x."""
+    """A level slice below the tops of most fixtures, or an upright one along x."""
     low, high = scene.fixtures.min(axis=0) - MARGIN, scene.fixtures.max(axis=0) + MARGIN
     across, fixed = (2, 1) if upright else (1, 2)
     middle = float(np.median(scene.fixtures[:, fixed]))
+    if not upright:
+        middle *= BELOW
     low[2] = max(low[2], 0.0)
     u = np.arange(low[0], high[0], SPACING)
     v = np.arange(low[across], high[across], SPACING)
