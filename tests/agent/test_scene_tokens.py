@@ -8,10 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from icd_agent.field.field import SceneField
 from icd_agent.scene_tokens import TOKENS, scene_tokens
 from icd_envs.api import Float32Array
-from tests.agent.field.small import SMALL, small_data
+from tests.agent.field.small import SMALL, small_data, small_field
 
 
 @pytest.fixture(scope="module")
@@ -24,7 +23,7 @@ def scene() -> Float32Array:
 def test_nothing_tells_where_in_the_world_a_scene_is(
     scene: Float32Array, yaw: float, x: float, y: float
 ) -> None:
-    field = SceneField(SMALL).eval()
+    field = small_field()
     middle = np.array([0.3, -0.2, 0.1])
     turn = Rotation.from_euler("z", yaw)
 
@@ -39,7 +38,7 @@ def test_nothing_tells_where_in_the_world_a_scene_is(
 
 
 def test_the_object_is_ahead(scene: Float32Array) -> None:
-    tokens = scene_tokens(SceneField(SMALL).eval(), scene)
+    tokens = scene_tokens(small_field(), scene)
     origin = tokens.places.mean(axis=0)
     toward = tokens.places[5] - origin
     seen = tokens.seen_from(origin + 3.0 * toward, 0.2)
@@ -48,6 +47,6 @@ def test_the_object_is_ahead(scene: Float32Array) -> None:
 
 
 def test_an_object_right_above_the_scene_is_no_error(scene: Float32Array) -> None:
-    tokens = scene_tokens(SceneField(SMALL).eval(), scene)
+    tokens = scene_tokens(small_field(), scene)
     seen = tokens.seen_from(tokens.places.mean(axis=0), 0.2)
     assert np.isfinite(seen).all()
