@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, cast
 
@@ -11,7 +10,7 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from icd_agent.checkpoints import load_checkpoint, save_checkpoint
+from icd_agent.checkpoints import load_checkpoint
 from icd_agent.diffusion.chains import ChainData, Chains
 from icd_agent.diffusion.config import DiffusionConfig
 from icd_agent.diffusion.denoiser import GIVEN, Denoiser
@@ -19,7 +18,8 @@ from icd_agent.diffusion.schedule import make_schedule
 from icd_agent.latent.model import LatentModel
 from icd_agent.states import States
 from icd_agent.training.config import TrainingConfig
-from icd_agent.training.loop import Seen, Trained, train
+from icd_agent.training.loop import Seen, Trained
+from icd_agent.training.network import Network, train_network
 
 if TYPE_CHECKING:
     from diffusers.schedulers.scheduling_ddim import DDIMScheduler
@@ -74,18 +74,8 @@ def train_diffusion(
         )
 
     about = {**about, "episodes": len(states.success), "states": len(states.step)}
-    trained = train(
-        lambda: Denoiser(config, mean, deviation),
-        loss,
-        training,
-        out,
-        device=device,
-        identity={"network": asdict(config), "data": about},
-        seen=seen,
-    )
-    record = {"data": about, "training": asdict(training), "terms": trained.terms}
-    save_checkpoint(out, KIND, trained.model, config, record)
-    return trained
+    network = Network(KIND, config, lambda: Denoiser(config, mean, deviation))
+    return train_network(network, loss, training, out, about=about, device=device, seen=seen)
 
 
 def denoising_loss(

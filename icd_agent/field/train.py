@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 from torch import Tensor, nn
 
-from icd_agent.checkpoints import load_checkpoint, save_checkpoint
+from icd_agent.checkpoints import load_checkpoint
 from icd_agent.field.config import FieldConfig
 from icd_agent.field.data import FieldData
 from icd_agent.field.field import SceneField
 from icd_agent.field.losses import field_loss
 from icd_agent.training.config import TrainingConfig
-from icd_agent.training.loop import Seen, Trained, train
+from icd_agent.training.loop import Seen, Trained
+from icd_agent.training.network import Network, train_network
 
 KIND: Final = "field"
 BATCH_SCENES: Final = 8
@@ -54,18 +54,8 @@ def train_field(
         return field_loss(model(clouds, truth.points), truth, pairs, config)
 
     about = {**about, "scenes": len(data), "near_spread": data.near_spread}
-    trained = train(
-        lambda: SceneField(config),
-        loss,
-        training,
-        out,
-        device=device,
-        identity={"network": asdict(config), "data": about},
-        seen=seen,
-    )
-    record = {"data": about, "training": asdict(training), "terms": trained.terms}
-    save_checkpoint(out, KIND, trained.model, config, record)
-    return trained
+    network = Network(KIND, config, lambda: SceneField(config))
+    return train_network(network, loss, training, out, about=about, device=device, seen=seen)
 
 
 def load_field(folder: Path) -> SceneField:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Final
 
@@ -12,14 +11,15 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from icd_agent.checkpoints import load_checkpoint, save_checkpoint
+from icd_agent.checkpoints import load_checkpoint
 from icd_agent.latent.config import LatentConfig
 from icd_agent.latent.model import LatentModel
 from icd_agent.latent.pairs import draw_pairs
 from icd_agent.latent.reachability import bins_of, expected_steps
 from icd_agent.states import States
 from icd_agent.training.config import TrainingConfig
-from icd_agent.training.loop import Seen, Trained, train
+from icd_agent.training.loop import Seen, Trained
+from icd_agent.training.network import Network, train_network
 from icd_envs.api import Float32Array
 
 KIND: Final = "latent"
@@ -77,18 +77,8 @@ def train_latent(
         )
 
     about = {**about, "episodes": len(states.success), "states": len(states.step)}
-    trained = train(
-        lambda: LatentModel(config, torch.from_numpy(mean), scale),
-        loss,
-        training,
-        out,
-        device=device,
-        identity={"network": asdict(config), "data": about},
-        seen=seen,
-    )
-    record = {"data": about, "training": asdict(training), "terms": trained.terms}
-    save_checkpoint(out, KIND, trained.model, config, record)
-    return trained
+    network = Network(KIND, config, lambda: LatentModel(config, torch.from_numpy(mean), scale))
+    return train_network(network, loss, training, out, about=about, device=device, seen=seen)
 
 
 def latent_loss(
