@@ -70,6 +70,10 @@ def train_field(
         float | None,
         typer.Option(help="Metres around surfaces to learn about.", show_default=AS_SHIPPED),
     ] = None,
+    anchors: Annotated[
+        int | None,
+        typer.Option(min=1, help="Points that carry features.", show_default=AS_SHIPPED),
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Train the scene descriptor field."""
@@ -81,6 +85,7 @@ def train_field(
             usual.length if length_scale is None else length_scale,
             usual.outlook if outlook_scale is None else outlook_scale,
             usual.near if near_spread is None else near_spread,
+            usual.anchors if anchors is None else anchors,
             usual.steps if steps is None else steps,
         )
         values = train(env, data, out, scope, scales, device=device, scenes=scenes, seed=seed)

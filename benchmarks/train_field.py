@@ -27,16 +27,18 @@ class Scales(NamedTuple):
         length: [m] ``FieldConfig.length_scale``.
         outlook: [m] ``FieldConfig.outlook_scale``.
         near: [m] ``near_spread`` of ``draw_queries``.
+        anchors: ``FieldConfig.anchors``; a larger surface needs more.
         steps: optimiser steps.
     """
 
     length: float = FieldConfig.length_scale
     outlook: float = FieldConfig.outlook_scale
     near: float = NEAR_SPREAD
+    anchors: int = FieldConfig.anchors
     steps: int = 3000
 
 
-SCALES: Final = {"notebook-folding": Scales(0.5, 0.15, 0.05, 4000)}
+SCALES: Final = {"notebook-folding": Scales(0.5, 0.15, 0.05, 384, 4500)}
 """Of the tasks whose fixtures are larger than a clip."""
 
 
@@ -81,6 +83,7 @@ def train(
     about = {"env": env_id, "options": dict(header.options), "seed": header.seed}
     config = FieldConfig(
         scope,
+        scales.anchors,
         channels=FieldConfig.channels if scope == "local" else GLOBAL_CHANNELS,
         length_scale=scales.length,
         outlook_scale=scales.outlook,
