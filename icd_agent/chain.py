@@ -45,10 +45,12 @@ class Subgoals(NamedTuple):
     Attributes:
         features: (L, N, D) in the cost space, L >= 1.
         clouds: (L, N, 3) [m] the same as object clouds, for viewers; None if the source has none.
+        begin: (N, D) where the chain begins, as the source sees it; None is the present state.
     """
 
     features: FloatArray
     clouds: FloatArray | None = None
+    begin: FloatArray | None = None
 
 
 class SubgoalSource(Protocol):
@@ -137,6 +139,8 @@ class SubgoalChain:
         window: int | None = None,
         patience: int | None = None,
         spacing: Spacing = "median",
+        passed: float | None = None,
+        begin: FloatArray | None = None,
     ) -> None:
         """Begin with every subgoal ahead; ``TrackerConfig`` checks the options.
 
@@ -148,6 +152,9 @@ class SubgoalChain:
             patience: after so many steps without a subgoal removed, one is skipped; None is never.
             spacing: "own" replaces that median by the distance to the subgoal before, if it is
                 larger.
+            passed: the next subgoal is also reached once this fraction of the way to it from the
+                one before is done; None is never.
+            begin: (N, D) where the way to the first subgoal begins; None is the first state.
 
         Raises:
             InvalidOptionError: for an empty or non-finite chain.
@@ -158,6 +165,8 @@ class SubgoalChain:
         self._subgoals = np.array(subgoals, dtype=np.float32)
         self._window = len(self._subgoals) if window is None else window
         self._patience = patience
+        self._passed = passed
+        self._begin = begin
         apart = np.sqrt(np.mean(np.sum(np.diff(self._subgoals, axis=0) ** 2, axis=-1), axis=-1))
         reach = np.full(len(self._subgoals), np.median(apart) if len(apart) else 0.0)
         if spacing == "own":
@@ -188,20 +197,36 @@ class SubgoalChain:
         Returns:
             Whether patience has run out.
         """
+        if self._begin is None:
+            self._begin = np.array(current)
+        index, waited = self._after_reached(current), self._steps_since_progress
+        patience = self._patience
+        stalled = index == self._index and patience is not None and waited >= patience
+        index += stalled
+        if index > self._index:
+            self._index = min(index, len(self._subgoals) - 1)
+            self._steps_since_progress = 0
+        self._steps_since_progress += 1
+        return stalled
+
+    def _after_reached(self, current: FloatArray) -> int:
+        """Index after the last subgoal in the window that is reached, or the present one."""
         squares = squared_distance(current[None, None], self.ahead())[0, 0]
         reach_squared = self._reach_squared[self._index : self._index + len(squares)]
         reached = np.flatnonzero(squares <= reach_squared)
         if reached.size:
-            self._move_to(self._index + int(reached[-1]) + 1)
-            stalled = False
-        else:
-            waited = self._steps_since_progress
-            stalled = self._patience is not None and waited >= self._patience
-        if stalled:
-            self._move_to(self._index + 1)
-        self._steps_since_progress += 1
-        return stalled
+            return self._index + int(reached[-1]) + 1
+        passed = self._passed is not None and self._done(current) >= self._passed
+        return self._index + passed
 
-    def _move_to(self, index: int) -> None:
-        self._index = min(index, len(self._subgoals) - 1)
-        self._steps_since_progress = 0
+    def _done(self, current: FloatArray) -> float:
+        """How much of the way to the next subgoal lies behind: 0 at its beginning, 1 at its end.
+
+        What is off the way does not count, so that subgoals that are slightly wrong, as generated
+        ones are, can be reached as well as right ones.
+        """
+        before = self._subgoals[self._index - 1] if self._index else self._begin
+        assert before is not None
+        way = self._subgoals[self._index] - before
+        length = float(np.sum(way * way))
+        return float(np.sum((current - before) * way)) / length if length else 1.0

@@ -83,11 +83,11 @@ class DiffusedSource:
 
     def _decode(self, asked: _Asked) -> Subgoals:
         with torch.no_grad():
-            features = self._latent.decode(asked.found.latents[1:], asked.canonical).numpy()
+            features = self._latent.decode(asked.found.latents, asked.canonical).numpy()
         if not asked.task.foreign or self._generator.config.inpaint_goal:
             features[-1] = asked.goal  # better known than the autoencoder can say
         self._last = asked
-        return Subgoals(features)
+        return Subgoals(features[1:], begin=features[0])
 
     def _tokens(self, observation: Observation) -> Tensor:
         mask = observation.get("scene_mask")

@@ -41,6 +41,9 @@ class TrackerConfig:
             consecutive subgoals.
         spacing: "own" replaces that median by the distance to the subgoal before, if it is larger:
             for spaces in which subgoals lie close together far from contact and far apart near it.
+        passed: a subgoal is also reached when this fraction of the way to it from the one before
+            is done, however far off the way: generated subgoals are never met exactly. None is
+            never.
         window: the cost is the minimum over the next so many subgoals; None is the paper's
             minimum over all that remain, which can jump ahead of a change of contact.
         patience: control steps without a subgoal removed after which one is skipped; None is never.
@@ -52,6 +55,7 @@ class TrackerConfig:
 
     threshold: float = 0.35
     spacing: Spacing = "median"
+    passed: float | None = None
     window: int | None = None
     patience: int | None = 20
     replan_every: int | None = None
@@ -68,6 +72,9 @@ class TrackerConfig:
             require(is_finite(value) and value >= 0, field, value, "a finite number >= 0")
         names = get_args(Spacing)
         require(self.spacing in names, "spacing", self.spacing, f"one of {', '.join(names)}")
+        done = self.passed
+        valid = done is None or (is_finite(done) and 0 < done <= 1)
+        require(valid, "passed", done, "None or a fraction of the way in (0, 1]")
         for field in ("window", "patience", "replan_every"):
             value = getattr(self, field)
             require(value is None or is_count(value), field, value, "None or an integer >= 1")
@@ -207,7 +214,13 @@ class SubgoalTracker:
         self._subgoals = subgoals
         config = self.config
         return SubgoalChain(
-            subgoals.features, config.threshold, config.window, config.patience, config.spacing
+            subgoals.features,
+            config.threshold,
+            config.window,
+            config.patience,
+            config.spacing,
+            config.passed,
+            subgoals.begin,
         )
 
     def _costs(self, rollout: Rollout, subgoals: FloatArray, spheres: FloatArray) -> Float64Array:

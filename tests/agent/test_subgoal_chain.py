@@ -64,6 +64,29 @@ def test_window_hides_later_subgoals_from_cost_and_removal() -> None:
     np.testing.assert_array_equal(chain.ahead(), clouds(2, 3))
 
 
+def test_what_is_off_the_way_does_not_keep_a_subgoal_from_being_passed() -> None:
+    def indices(passed: float | None, off: float) -> list[int]:
+        chain = SubgoalChain(clouds(1, 2, 3), passed=passed, begin=clouds(0)[0])
+        found = []
+        for x in (0.0, 0.6, 0.8, 1.6, 1.8):
+            state = clouds(x)[0]
+            state[..., 1] = off
+            chain.advance(state)
+            found.append(chain.index)
+        return found
+
+    for off in (0.0, 0.5, 50.0):
+        assert indices(0.7, off) == [0, 0, 1, 1, 2]
+    assert indices(None, 50.0) == [0, 0, 0, 0, 0]
+
+
+def test_two_equal_subgoals_do_not_hold_the_chain_up() -> None:
+    chain = SubgoalChain(clouds(1, 1, 2), threshold=0.0, passed=0.7)
+    for x in (0.0, 0.9, 0.9):
+        chain.advance(clouds(x)[0])
+    assert chain.index == 2
+
+
 def test_patience_skips_one_subgoal_after_so_many_steps() -> None:
     chain = SubgoalChain(clouds(0, 1, 2, 3), patience=3)
     indices = []

@@ -188,7 +188,13 @@ def test_calls_out_of_order_and_missing_simulator_are_refused() -> None:
 
 @pytest.mark.parametrize(
     ("field", "value"),
-    [("threshold", -1.0), ("window", 0), ("patience", 0), ("collision_weight", np.nan)],
+    [
+        ("threshold", -1.0),
+        ("window", 0),
+        ("patience", 0),
+        ("passed", 1.5),
+        ("collision_weight", np.nan),
+    ],
 )
 def test_bad_tracker_option_is_named(field: str, value: float) -> None:
     with pytest.raises(InvalidOptionError, match=f"{field}="):
