@@ -10,7 +10,7 @@ import numpy as np
 from icd_agent.chain import Placed, PointSpace, Subgoals, SubgoalSource
 from icd_agent.mppi.presets import preset
 from icd_agent.tracking import SubgoalTracker, TrackerConfig
-from icd_agent.weights import weights_name
+from icd_agent.weights import shipped_folder, weights_name
 from icd_envs.api import Episode, Observation
 from icd_envs.errors import InvalidOptionError
 
@@ -88,6 +88,37 @@ def make_oracle_descriptors(env_id: str) -> SubgoalTracker:
 def make_transferred_descriptors(env_id: str) -> SubgoalTracker:
     """Build rung 2 of the adaptation tasks: descriptors of the solution of the goal's scene."""
     return _track_descriptors(OracleSource("goal"), env_id)
+
+
+def make_vae(env_id: str) -> SubgoalTracker:
+    """Build rung 3: oracle subgoals through the autoencoder and back; what fails here is it."""
+    from icd_agent.encoded import EncodedSource
+    from icd_agent.latent.train import KIND, load_latent
+
+    latent = load_latent(shipped_folder(env_id, KIND))
+    return _track_as_icd(EncodedSource(OracleSource(), latent), env_id)
+
+
+def make_retrieved_chain(env_id: str) -> SubgoalTracker:
+    """Build rung 4: the recorded chain nearest to a generated one; what fails are such chains."""
+    from icd_agent.agent import PRESETS, load_networks
+    from icd_agent.diffused import DiffusedSource
+    from icd_agent.diffusion.generate import Generator
+    from icd_agent.diffusion.retrieval import KIND, Retriever, load_bank
+
+    field, latent, denoiser = load_networks(shipped_folder(env_id))
+    generator = Generator(denoiser, latent, PRESETS["improved"].chain)
+    retriever = Retriever(generator, load_bank(shipped_folder(env_id, KIND)))
+    return _track_as_icd(DiffusedSource(field, latent, retriever), env_id)
+
+
+def _track_as_icd(source: SubgoalSource, env_id: str) -> SubgoalTracker:
+    from icd_agent.agent import PRESETS
+    from icd_agent.field.space import FieldSpace
+
+    settings = PRESETS["improved"]
+    config = replace(settings.tracker, replan_every=None)
+    return SubgoalTracker(source, FieldSpace.shipped(env_id), preset(settings.mppi), config)
 
 
 def _track_descriptors(source: SubgoalSource, env_id: str) -> SubgoalTracker:

@@ -11,7 +11,7 @@ import typer
 
 FINE, FAILED_EPISODES, USAGE, INCOMPATIBLE = 0, 1, 2, 3
 
-Values = dict[str, int | float | str]
+Values = dict[str, int | float | str | None]
 """What a command found out, by name."""
 
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON, and only JSON, on stdout.")]

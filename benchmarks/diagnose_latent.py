@@ -40,8 +40,9 @@ def diagnose(
     Returns:
         ``reconstruction_error``, a share of the variance of the descriptors; ``bins_off``, median
         error of the expected steps of pairs up to 60 steps apart, in bins; ``rank_correlation``
-        (Spearman) of expected and true steps of all pairs; ``shortest_over_true``, mean ratio of
-        the soft minimum to the true steps.
+        (Spearman) of expected and true steps of all pairs, and ``rank_correlation_solved`` of those
+        in episodes that solve their task: the others end stuck, and nothing tells how long;
+        ``shortest_over_true``, mean ratio of the soft minimum to the true steps.
 
     Raises:
         IcdError: unknown environment, missing or damaged weights.
@@ -69,7 +70,7 @@ def _reconstruction(model: LatentModel, states: States, latents: torch.Tensor) -
 
 def _reachability(
     model: LatentModel, states: States, latents: torch.Tensor, rng: np.random.Generator
-) -> dict[str, float]:
+) -> Values:
     pairs = draw_pairs(states, PAIRS, rng)
     config = model.config
     scene = torch.from_numpy(states.seen_from(pairs.first, config.scene_size))
@@ -80,8 +81,12 @@ def _reachability(
     expected: Float64Array = expected_steps(logits, config).double().numpy()
     shortest: Float64Array = shortest_steps(logits, config).double().numpy()
     near, apart = pairs.gap <= NEAR, pairs.gap > 0
+    solved = states.success[states.episode[pairs.first]]
     return {
         "bins_off": float(np.median(np.abs(expected - pairs.gap)[near]) / config.bin_steps),
         "rank_correlation": float(spearmanr(expected, pairs.gap).statistic),
+        "rank_correlation_solved": float(spearmanr(expected[solved], pairs.gap[solved]).statistic)
+        if solved.any()
+        else None,
         "shortest_over_true": float(np.mean(shortest[apart] / pairs.gap[apart])),
     }

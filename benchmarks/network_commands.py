@@ -99,7 +99,7 @@ def train_latent(
     out: Out,
     field: Field = None,
     device: Device = "cpu",
-    steps: Steps = 6000,
+    steps: Steps = 4000,
     episodes: Episodes = 1500,
     seed: Seed = 0,
     as_json: AsJson = False,
@@ -122,7 +122,7 @@ def train_diffusion(
     field: Field = None,
     latent: Latent = None,
     device: Device = "cpu",
-    steps: Steps = 6000,
+    steps: Steps = 4000,
     episodes: Episodes = 1500,
     seed: Seed = 0,
     as_json: AsJson = False,
@@ -142,6 +142,24 @@ def train_diffusion(
             episodes=episodes,
             seed=seed,
         )
+        _say(values, as_json)
+
+
+@GROUPS["train"].command("bank")
+def train_bank(
+    env: Env,
+    data: Data,
+    out: Annotated[Path, typer.Option(help="Folder to write.")],
+    field: Field = None,
+    latent: Latent = None,
+    episodes: Episodes = 1500,
+    as_json: AsJson = False,
+) -> None:
+    """Keep recorded chains, for the agent ladder:retrieved-chain; nothing is optimised."""
+    with errors_in_one_line():
+        from benchmarks.train_bank import bank
+
+        values = bank(env, data, out, field=field, latent=latent, episodes=episodes)
         _say(values, as_json)
 
 

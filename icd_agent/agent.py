@@ -24,7 +24,7 @@ from icd_agent.latent.train import load_latent
 from icd_agent.mppi.presets import preset as mppi_preset
 from icd_agent.plan_info import PlanInfo
 from icd_agent.tracking import SubgoalTracker, TrackerConfig
-from icd_agent.weights import FOLDER, weights_name
+from icd_agent.weights import shipped_folder, weights_name
 from icd_envs.api import Episode, Float32Array, Observation, PlanView
 from icd_envs.errors import CheckpointError, EpisodeStateError, InvalidOptionError, unknown_name
 
@@ -52,12 +52,14 @@ PRESETS: Final = {
     "improved": Preset(
         "improved",
         ChainConfig(),
-        TrackerConfig(threshold=0.5, spacing="own", window=1, patience=20, replan_every=40),
+        TrackerConfig(
+            threshold=0.5, spacing="own", passed=0.7, window=1, patience=20, replan_every=40
+        ),
     ),
 }
 """``paper``: one chain, minimum over all remaining subgoals, the goal in-painted. ``improved``: the
-easiest of several chains, one subgoal at a time, the last one generated if the goal is foreign,
-noise correlated in time."""
+easiest of several chains, one subgoal at a time, passed once most of the way to it is done, the
+last one generated if the goal is foreign, noise correlated in time."""
 
 
 class Networks(NamedTuple):
@@ -66,6 +68,17 @@ class Networks(NamedTuple):
     field: SceneField
     latent: LatentModel
     diffusion: Denoiser
+
+
+def load_networks(folder: Path) -> Networks:
+    """Read what ``save_pretrained`` has written, or the package's weights of a task.
+
+    Raises:
+        CheckpointError: missing or damaged weights.
+    """
+    return Networks(
+        load_field(folder / FIELD), load_latent(folder / LATENT), load_diffusion(folder / DIFFUSION)
+    )
 
 
 class Env(Protocol):
@@ -85,6 +98,7 @@ class ICDAgent:
         needs_oracle: False.
         networks: what it has learned.
         preset: name of its settings.
+        tracker: follows the generated chains.
     """
 
     needs_simulator = True
@@ -112,7 +126,7 @@ class ICDAgent:
         self.preset = preset
         self._env = env
         generator = Generator(networks.diffusion, networks.latent, settings.chain)
-        self._tracker = SubgoalTracker(
+        self.tracker = SubgoalTracker(
             DiffusedSource(networks.field, networks.latent, generator),
             FieldSpace(networks.field),
             mppi_preset(settings.mppi),
@@ -137,13 +151,7 @@ class ICDAgent:
             CheckpointError: missing or damaged weights.
             InvalidOptionError: unknown preset.
         """
-        folder = _find(source)
-        networks = Networks(
-            load_field(folder / FIELD),
-            load_latent(folder / LATENT),
-            load_diffusion(folder / DIFFUSION),
-        )
-        return cls(networks, preset, env=env)
+        return cls(load_networks(_find(source)), preset, env=env)
 
     def save_pretrained(self, folder: str | Path) -> None:
         """Write the weights, for ``from_pretrained``; files of the same names are replaced."""
@@ -153,19 +161,19 @@ class ICDAgent:
     @property
     def plan_info(self) -> PlanInfo | None:
         """What the last ``act`` did."""
-        return self._tracker.plan_info
+        return self.tracker.plan_info
 
     def reset(self, episode: Episode, seed: int) -> None:
         """Begin an episode; see ``SubgoalTracker.reset``."""
-        self._tracker.reset(episode, seed)
+        self.tracker.reset(episode, seed)
 
     def act(self, observation: Observation) -> Float32Array:
         """Plan one step: (3,) in [-1, 1]; the first of an episode bakes the scene, seconds."""
-        return self._tracker.act(observation)
+        return self.tracker.act(observation)
 
     def plan_view(self) -> PlanView | None:
         """What viewers may draw of the last ``act``."""
-        return self._tracker.plan_view()
+        return self.tracker.plan_view()
 
     def predict(
         self,
@@ -219,9 +227,8 @@ def _check_fit(networks: Networks) -> None:
 
 
 def _find(source: str | Path) -> Path:
-    name = weights_name(str(source))
-    if name is not None:
-        return FOLDER / name
+    if weights_name(str(source)) is not None:
+        return shipped_folder(str(source))
     if isinstance(source, Path) or Path(source).is_dir() or source.count("/") != 1:
         return Path(source)
     from huggingface_hub import snapshot_download

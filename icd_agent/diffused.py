@@ -2,18 +2,34 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 import torch
 from torch import Tensor
 
 from icd_agent.chain import Placed, Subgoals
-from icd_agent.diffusion.generate import Generated, Generator, Task
+from icd_agent.diffusion.config import ChainConfig
+from icd_agent.diffusion.generate import Generated, Task
+from icd_agent.encoded import decode, encode
 from icd_agent.field.field import SceneField
 from icd_agent.latent.model import LatentModel
 from icd_agent.scene_tokens import scene_tokens
-from icd_envs.api import Episode, Float32Array, FloatArray, Observation
+from icd_envs.api import Episode, FloatArray, Observation
+
+
+class ChainGenerator(Protocol):
+    """What finds chains of latents: ``Generator``, or one that looks them up."""
+
+    config: ChainConfig
+
+    def generate(self, task: Task, rng: np.random.Generator) -> Generated:
+        """Find a chain."""
+        ...
+
+    def steps(self, chains: Tensor, scene: Tensor) -> Tensor:
+        """Predicted control steps (C, L - 1) between consecutive latents (C, L, Z)."""
+        ...
 
 
 class _Asked(NamedTuple):
@@ -21,8 +37,8 @@ class _Asked(NamedTuple):
 
     task: Task
     found: Generated
-    goal: Float32Array
-    canonical: Tensor
+    goal: FloatArray
+    canonical: FloatArray
 
 
 class DiffusedSource:
@@ -30,13 +46,13 @@ class DiffusedSource:
 
     needs_oracle = False
 
-    def __init__(self, field: SceneField, latent: LatentModel, generator: Generator) -> None:
+    def __init__(self, field: SceneField, latent: LatentModel, generator: ChainGenerator) -> None:
         """Put together; all in evaluation mode, and trained on one another.
 
         Args:
             field: describes the scene.
             latent: encodes and decodes features of the cost space.
-            generator: draws chains of its latents.
+            generator: finds chains of its latents.
         """
         self._field = field
         self._latent = latent
@@ -71,19 +87,20 @@ class DiffusedSource:
     def _generate(
         self, episode: Episode, observation: Observation, space: Placed, rng: np.random.Generator
     ) -> _Asked:
-        canonical = torch.from_numpy(np.ascontiguousarray(episode.canonical_cloud, np.float32))
-        goal = np.asarray(space.goal(observation["desired_goal"]), np.float32)
+        canonical = episode.canonical_cloud
+        goal = space.goal(observation["desired_goal"])
+        ends = np.stack([space.here(observation["achieved_goal"]), goal])
+        now, wanted = encode(self._latent, ends, canonical)
         task = Task(
-            now=self._encode(space.here(observation["achieved_goal"]), canonical),
-            goal=self._encode(goal, canonical),
+            now=now,
+            goal=wanted,
             foreign=not np.array_equal(observation["scene"], observation["goal_scene"]),
             scene=self._tokens(observation),
         )
         return _Asked(task, self._generator.generate(task, rng), goal, canonical)
 
     def _decode(self, asked: _Asked) -> Subgoals:
-        with torch.no_grad():
-            features = self._latent.decode(asked.found.latents, asked.canonical).numpy()
+        features = decode(self._latent, asked.found.latents, asked.canonical)
         if not asked.task.foreign or self._generator.config.inpaint_goal:
             features[-1] = asked.goal  # better known than the autoencoder can say
         self._last = asked
@@ -95,8 +112,3 @@ class DiffusedSource:
         seen = scene if mask is None else scene[np.asarray(mask) > 0]
         middle, size = observation["achieved_goal"].mean(axis=0), self._latent.config.scene_size
         return torch.from_numpy(scene_tokens(self._field, seen).seen_from(middle, size))
-
-    def _encode(self, features: FloatArray, canonical: Tensor) -> Tensor:
-        one = torch.from_numpy(np.ascontiguousarray(features, np.float32))[None]
-        with torch.no_grad():
-            return self._latent.encode(one, canonical)[0]

@@ -9,6 +9,8 @@ from typing import Final
 
 from icd_envs.errors import CheckpointError, unknown_name
 
+GLOBAL_FIELD: Final = "global-field"
+"""Part that only the baseline Global NDF needs; the others are named by kind of network."""
 FOLDER: Final = Path(__file__).parent / "shipped"
 
 TRAINED_FOR: Final[Mapping[str, str]] = MappingProxyType(
@@ -27,12 +29,12 @@ def weights_name(env_id: str) -> str | None:
     return TRAINED_FOR.get(env_id.rpartition(":")[2])
 
 
-def shipped_folder(env_id: str, kind: str) -> Path:
-    """Where the weights of one network for one environment are.
+def shipped_folder(env_id: str, part: str = "") -> Path:
+    """Where the weights for one environment are.
 
     Args:
         env_id: id of the environment.
-        kind: of network, e.g. ``field``.
+        part: what they are of, e.g. ``field``; empty is the folder of all parts.
 
     Raises:
         CheckpointError: none are shipped for this environment.
@@ -41,4 +43,4 @@ def shipped_folder(env_id: str, kind: str) -> Path:
     if name is None:
         known = unknown_name("environment with shipped weights:", env_id, TRAINED_FOR)
         raise CheckpointError(f"{known}; train weights for it: icd-bench train --help")
-    return FOLDER / name / kind
+    return FOLDER / name / part

@@ -159,6 +159,7 @@ def test_latents_are_diagnosed_on_unseen_states(weights: Path, trained: Trained)
     assert values["reconstruction_error"] > 0.1  # two steps teach nothing
     assert values["bins_off"] > 0
     assert -1 <= values["rank_correlation"] <= 1
+    assert "rank_correlation_solved" in values
 
 
 def test_chains_are_diagnosed_in_unseen_scenes(weights: Path, trained: Trained) -> None:

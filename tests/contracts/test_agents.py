@@ -39,10 +39,11 @@ def start(env: ContactEnv[Any]) -> SimState:
 def agent(request: pytest.FixtureRequest, env: ContactEnv[Any]) -> Agent:
     """Every agent, planners with few samples and coarse grids."""
     agent = make_agent(request.param, Offer(env.task.env_id))
-    if isinstance(agent, SubgoalTracker):
-        agent.mppi_config = dataclasses.replace(agent.mppi_config, samples=5, horizon=3)
-        if isinstance(agent.space, FieldSpace):
-            agent.space.bake = BakeConfig(fine=0.05, coarse=0.2)
+    tracker = getattr(agent, "tracker", agent)
+    if isinstance(tracker, SubgoalTracker):
+        tracker.mppi_config = dataclasses.replace(tracker.mppi_config, samples=5, horizon=3)
+        if isinstance(tracker.space, FieldSpace):
+            tracker.space.bake = BakeConfig(fine=0.05, coarse=0.2)
     return agent
 
 

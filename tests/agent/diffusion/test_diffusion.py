@@ -9,10 +9,12 @@ import numpy as np
 import pytest
 import torch
 
+from icd_agent.checkpoints import save_checkpoint
 from icd_agent.diffusion.chains import ChainData
 from icd_agent.diffusion.config import LEVELS, LONGEST, ChainConfig, DiffusionConfig
 from icd_agent.diffusion.denoiser import COARSE, GIVEN, UNKNOWN, Denoiser
 from icd_agent.diffusion.generate import Generator, Task
+from icd_agent.diffusion.retrieval import BankConfig, ChainBank, Retriever, load_bank, make_bank
 from icd_agent.diffusion.train import encode_states, load_diffusion, train_diffusion
 from icd_agent.latent.config import LatentConfig
 from icd_agent.latent.model import LatentModel
@@ -97,6 +99,45 @@ def test_a_foreign_goal_is_generated_unless_in_painted(networks: Networks) -> No
         ends[inpaint] = generator.generate(wanted, np.random.default_rng(0)).latents[-1]
     torch.testing.assert_close(ends[True], wanted.goal, atol=1e-5, rtol=0.0)
     assert not torch.allclose(ends[False], wanted.goal, atol=1e-4)
+
+
+def test_the_nearest_recorded_chain_is_found_at_every_length() -> None:
+    rng = np.random.default_rng(0)
+    kept = torch.from_numpy(rng.normal(size=(5, LONGEST, 3)).astype(np.float32))
+    kept[..., 2] *= 1e3  # a number of large spread must not decide alone
+    bank = ChainBank(BankConfig(5, 3), kept)
+    for parts in (2, 4, 8, 16):
+        every = (LONGEST - 1) // parts
+        for chain in kept[:, ::every]:
+            asked = chain + torch.tensor([0.01, -0.01, 10.0])
+            assert torch.equal(bank.nearest(asked), chain)
+
+
+def test_a_retrieved_chain_is_a_recorded_one_that_begins_now(networks: Networks) -> None:
+    states = toy_states()
+    latents = encode_states(states, networks.latent)
+    bank = make_bank(states, latents, chains=7)
+    assert bank.config == BankConfig(7, 8)
+    generator = Generator(networks.denoiser, networks.latent, ChainConfig(chains=2))
+    wanted, rng = task(networks), np.random.default_rng(0)
+    found = Retriever(generator, bank).generate(wanted, rng)
+    assert torch.equal(found.latents[0], wanted.now)
+    rest = (latents[:, None] - found.latents[1:]).abs().amax(dim=2).amin(dim=0)
+    assert float(rest.max()) == 0.0  # every other one is a state that was recorded
+    assert len(found.steps) == len(found.latents) - 1
+
+
+def test_a_bank_keeps_solved_episodes_only_and_is_saved(tmp_path: Path) -> None:
+    states = toy_states(6)
+    states = states._replace(success=np.array([False, True, False, False, True, True]))
+    latents = torch.arange(len(states.step), dtype=torch.float32)[:, None]
+    bank = make_bank(states, latents, chains=2)
+    np.testing.assert_array_equal(bank.chains[:, 0, 0].numpy(), states.first[[1, 4]])
+    np.testing.assert_array_equal(bank.chains[:, -1, 0].numpy(), states.first[[2, 5]] - 1)
+    save_checkpoint(tmp_path, "chains", bank, bank.config, {})
+    assert torch.equal(load_bank(tmp_path).chains, bank.chains)
+    with pytest.raises(InvalidOptionError, match="no episode that solved"):
+        make_bank(states._replace(success=np.zeros(6, bool)), latents, chains=2)
 
 
 def numbered(states: States) -> ChainData:
