@@ -172,3 +172,13 @@ def test_chains_are_diagnosed_in_unseen_scenes(weights: Path, trained: Trained) 
     assert values["line_mse"] > 0
     assert values["goal_distance"] > 0
     assert -1 <= values["order"] <= 1
+
+
+def test_a_bank_needs_episodes_that_solve_their_task(
+    data: Path, weights: Path, trained: Trained, tmp_path: Path
+) -> None:
+    command = ("train", "bank", "--env", CABLE, "--data", data, "--field", weights)
+    refused = icd_bench(*command, "--latent", trained.latent, "--out", tmp_path / "bank")
+    assert refused.exit_code == 2
+    assert "no episode that solved its task" in refused.stderr
+    assert not (tmp_path / "bank").exists()
