@@ -13,7 +13,7 @@ from benchmarks.console import AsJson, Values, errors_in_one_line
 GROUPS: Final = {
     "train": typer.Typer(help="Train a network from recorded demonstrations."),
     "diagnose": typer.Typer(help="Measure a network in test scenes."),
-    "render": typer.Typer(help="Draw what a network has learned."),
+    "render": typer.Typer(help="Draw what a network has learned, or an episode."),
 }
 Env = Annotated[str, typer.Option(help="Environment id.")]
 Weights = Annotated[
@@ -24,6 +24,7 @@ AS_SHIPPED: Final = "as for the package's weights"
 Seed = Annotated[int, typer.Option(min=0, help="Of every draw.")]
 Data = Annotated[Path, typer.Option(help="Folder that icd-bench collect has filled.")]
 Out = Annotated[Path, typer.Option(help="Folder of the run; a killed one goes on.")]
+Picture = Annotated[Path, typer.Option(help="PNG file to write.")]
 Device = Annotated[str, typer.Option(help="cpu, or cuda.")]
 Field = Annotated[
     Path | None, typer.Option(help="Folder of a trained field.", show_default="the package's")
@@ -216,7 +217,7 @@ def diagnose_diffusion(
 @GROUPS["render"].command("field")
 def render_field(
     env: Env,
-    out: Annotated[Path, typer.Option(help="PNG file to write.")],
+    out: Picture,
     seed: Seed = 0,
     weights: Weights = None,
 ) -> None:
@@ -225,6 +226,37 @@ def render_field(
         from benchmarks.render_field import render
 
         render(env, out, seed=seed, weights=weights)
+
+
+@GROUPS["render"].command("chain")
+def render_chain(
+    env: Env,
+    out: Picture,
+    seed: Seed = 0,
+    weights: Annotated[
+        Path | None,
+        typer.Option(help="Folder of field, latent and diffusion.", show_default="the package's"),
+    ] = None,
+) -> None:
+    """Draw a generated chain of subgoals beside what the expert did."""
+    with errors_in_one_line():
+        from benchmarks.render_chain import render
+
+        render(env, out, seed=seed, weights=weights)
+
+
+@GROUPS["render"].command("episode")
+def render_episode(
+    agent: Annotated[str, typer.Option(help="Agent, as icd-bench run takes it.")],
+    env: Env,
+    out: Picture,
+    seed: Seed = 0,
+) -> None:
+    """Draw a strip of pictures of one test episode."""
+    with errors_in_one_line():
+        from benchmarks.render_episode import render
+
+        render(agent, env, out, seed=seed)
 
 
 def _say(values: Values, as_json: bool) -> None:

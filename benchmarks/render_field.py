@@ -9,10 +9,10 @@ import numpy as np
 import torch
 
 from benchmarks.fields import field_in_test_scenes
+from benchmarks.figures import Colours, new_figure, save_figure
 from icd_agent.field.baked import CHUNK
 from icd_agent.field.field import FieldOutput, SceneField
 from icd_envs.api import Float32Array, FloatArray
-from icd_envs.errors import InvalidOptionError
 from icd_envs.tasks.env import ContactEnv
 
 if TYPE_CHECKING:
@@ -42,21 +42,6 @@ class _Scene(NamedTuple):
         return self.cloud[self.cloud[:, 2] > FLOOR]
 
 
-class _Colours:
-    """Colours of descriptors: their first three principal components as red, green and blue."""
-
-    def __init__(self, descriptors: FloatArray) -> None:
-        self._mean = descriptors.mean(axis=0)
-        _, _, axes = np.linalg.svd(descriptors - self._mean, full_matrices=False)
-        self._axes = axes[:3].T
-        shown = (descriptors - self._mean) @ self._axes
-        self._low, self._high = np.quantile(shown, [0.02, 0.98], axis=0)
-
-    def __call__(self, descriptors: FloatArray) -> FloatArray:
-        shown = (descriptors - self._mean) @ self._axes
-        return np.asarray(np.clip((shown - self._low) / (self._high - self._low), 0.0, 1.0))
-
-
 def render(env_id: str, out: Path, *, seed: int, weights: Path | None) -> None:
     """Draw the field of two test scenes into one picture.
 
@@ -70,27 +55,18 @@ def render(env_id: str, out: Path, *, seed: int, weights: Path | None) -> None:
         InvalidOptionError: unknown environment, a file that is no PNG, or no Matplotlib.
         CheckpointError: missing or damaged weights.
     """
-    if out.suffix != ".png":
-        raise InvalidOptionError(f"out={str(out)!r} cannot be used: give a name that ends in .png")
-    try:
-        from matplotlib.figure import Figure
-    except ImportError as error:
-        raise InvalidOptionError(
-            "pictures of fields need Matplotlib: pip install 'implicit-contact-diffuser[figures]'"
-        ) from error
+    figure = new_figure(out, (13, 10))
     with field_in_test_scenes(env_id, weights) as (field, env):
         scenes = [_draw_scene(env, i) for i in (seed, seed + 1)]
     objects = [_ask(field, scene.cloud, scene.states[::10].reshape(-1, 3)) for scene in scenes]
-    colours = _Colours(np.concatenate([found.descriptor[0].numpy() for found in objects]))
-    figure = Figure(figsize=(13, 10), dpi=110, layout="constrained")
+    colours = Colours(np.concatenate([found.descriptor[0].numpy() for found in objects]))
     for place, upright in ((1, False), (2, True)):
         _draw_slice(figure.add_subplot(2, 2, place), field, scenes[0], colours, upright=upright)
     for place, scene, name in zip((3, 4), scenes, ("this scene", "another scene"), strict=True):
         axis = figure.add_subplot(2, 2, place, projection="3d")
         _draw_object(axis, field, scene, colours, name)
     figure.suptitle(f"{env_id}: descriptors by their first three principal components")
-    out.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(out)
+    save_figure(figure, out)
 
 
 def _draw_scene(env: ContactEnv[Any], seed: int) -> _Scene:
@@ -109,7 +85,7 @@ def _ask(field: SceneField, cloud: Float32Array, points: FloatArray) -> FieldOut
 
 
 def _draw_slice(
-    axis: Axes, field: SceneField, scene: _Scene, colours: _Colours, *, upright: bool
+    axis: Axes, field: SceneField, scene: _Scene, colours: Colours, *, upright: bool
 ) -> None:
     """A level slice below the tops of most fixtures, or an upright one along x."""
     low, high = scene.fixtures.min(axis=0) - MARGIN, scene.fixtures.max(axis=0) + MARGIN
@@ -139,7 +115,7 @@ def _draw_slice(
 
 
 def _draw_object(
-    axis: Axes3D, field: SceneField, scene: _Scene, colours: _Colours, name: str
+    axis: Axes3D, field: SceneField, scene: _Scene, colours: Colours, name: str
 ) -> None:
     """The object at the goal, among the fixtures."""
     points = scene.states[-1]
