@@ -21,9 +21,13 @@ from mujoco import rollout
 import icd_envs  # noqa: F401  registers the environments
 from baselines.pc_mppi import make_pc_mppi
 from benchmarks.perf.naive_cable import make_naive
+from icd_agent.agent import PRESETS, load_networks
+from icd_agent.diffused import DiffusedSource
+from icd_agent.diffusion.generate import Generator
 from icd_agent.field.space import FieldSpace
 from icd_agent.plan_info import PlanInfo
-from icd_envs.api import FloatArray, Observation, Oracle, Rollout, SimState
+from icd_agent.weights import shipped_folder
+from icd_envs.api import Episode, FloatArray, Observation, Oracle, Rollout, SimState
 from icd_envs.physics.simulator import RolloutSimulator
 from icd_envs.scenes.arena import SUBSTEPS
 from icd_envs.scenes.cable_routing import CableRoutingScene
@@ -98,15 +102,20 @@ def _measure_planner(
         parts.append(agent.plan_info)
 
     whole, bare = _interleave(repeats, act, recorder.repeat_bare)
-    return _measure_field(observation, recorder, repeats) | {
-        "planner_threads": float(threads),
-        "mppi_step_ms": 1e3 * median(whole),
-        "rollout_ms": 1e3 * median(part.rollout_seconds for part in parts),
-        "cost_ms": 1e3 * median(part.cost_seconds for part in parts),
-        "update_ms": 1e3 * median(part.update_seconds for part in parts),
-        "bare_rollout_ms": 1e3 * median(bare),
-        "step_over_bare_rollout": median(a / b for a, b in zip(whole, bare, strict=True)),
-    }
+    replanning = _measure_replanning(episode, observation, act, repeats)
+    return (
+        _measure_field(observation, recorder, repeats)
+        | replanning
+        | {
+            "planner_threads": float(threads),
+            "mppi_step_ms": 1e3 * median(whole),
+            "rollout_ms": 1e3 * median(part.rollout_seconds for part in parts),
+            "cost_ms": 1e3 * median(part.cost_seconds for part in parts),
+            "update_ms": 1e3 * median(part.update_seconds for part in parts),
+            "bare_rollout_ms": 1e3 * median(bare),
+            "step_over_bare_rollout": median(a / b for a, b in zip(whole, bare, strict=True)),
+        }
+    )
 
 
 def _measure_field(observation: Observation, recorder: _Recorder, repeats: int) -> dict[str, float]:
@@ -121,6 +130,22 @@ def _measure_field(observation: Observation, recorder: _Recorder, repeats: int) 
         "bake_s": bake,
         "descriptors_ms": 1e3 * median(lookup),
         "descriptors_over_bare_rollout": median(a / b for a, b in zip(lookup, bare, strict=True)),
+    }
+
+
+def _measure_replanning(
+    episode: Episode, observation: Observation, act: Callable[[], object], repeats: int
+) -> dict[str, float]:
+    """A whole new chain (encode, diffuse, decode), beside a step of MPPI."""
+    networks = load_networks(shipped_folder(ENV_ID))
+    space = FieldSpace(networks.field).place(observation)
+    generator = Generator(networks.diffusion, networks.latent, PRESETS["improved"].chain)
+    source = DiffusedSource(networks.field, networks.latent, generator)
+    rng = np.random.default_rng(0)
+    replan, step = _interleave(repeats, lambda: source.chain(episode, observation, space, rng), act)
+    return {
+        "replan_ms": 1e3 * median(replan),
+        "replan_over_mppi_step": median(a / b for a, b in zip(replan, step, strict=True)),
     }
 
 
