@@ -44,23 +44,23 @@ def render(agent_name: str, env_id: str, out: Path, *, seed: int) -> None:
             ),
             seed,
         )
-        pictures, rates, over = [env.render()], [info["complete_rate"]], False
+        states, rates, over = [env.snapshot()], [info["complete_rate"]], False
         while not over:
             observation, _, terminated, truncated, info = env.step(
                 np.asarray(agent.act(observation))
             )
             over = terminated or truncated
-            pictures.append(env.render())
+            states.append(env.snapshot())
             rates.append(info["complete_rate"])
+        axes = figure.subplots(2, PICTURES // 2).flat
+        shown = np.linspace(0, len(states) - 1, PICTURES).astype(int)
+        for axis, step in zip(axes, shown, strict=True):
+            env.restore(states[step])
+            axis.imshow(env.render())
+            axis.set_axis_off()
+            axis.set_title(f"step {step}, complete {rates[step]:.0%}")
     finally:
         env.close()
-    axes = figure.subplots(2, PICTURES // 2).flat
-    for axis, step in zip(
-        axes, np.linspace(0, len(pictures) - 1, PICTURES).astype(int), strict=True
-    ):
-        axis.imshow(pictures[step])
-        axis.set_axis_off()
-        axis.set_title(f"step {step}, complete {rates[step]:.0%}")
     ending = "success" if info["is_success"] else "no success"
     figure.suptitle(f"{agent_name} in {env_id}, test scene {seed}: {ending}")
     save_figure(figure, out)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
 import pytest
 from PIL import Image
 
@@ -101,10 +103,30 @@ def test_picture_is_drawn(weights: Path, tmp_path: Path) -> None:
         assert len(set(picture.convert("RGB").resize((64, 64)).getdata())) > 100
 
 
+def test_episode_is_drawn_from_its_beginning_to_its_end(tmp_path: Path) -> None:
+    out = tmp_path / "episode.png"
+    command = ("render", "episode", "--agent", "expert", "--env", CABLE, "--seed", 3)
+    drawn = icd_bench(*command, "--out", out)
+    assert drawn.exit_code == 0, drawn.stderr
+    with Image.open(out) as picture:
+        left, right = (np.asarray(picture.crop(box).convert("L")) for box in _halves(picture))
+    assert min(left.std(), right.std()) > 10  # pictures of the scene, not blanks
+    assert np.abs(left.astype(int) - right).mean() > 1
+
+
+def _halves(picture: Image.Image) -> tuple[tuple[int, int, int, int], ...]:
+    """Boxes of the first picture of the upper row and the last one of the lower."""
+    width, height = picture.size
+    return (0, 40, width // 4, height // 2), (width * 3 // 4, 40 + height // 2, width, height)
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
         (("diagnose", "field", "--env", "ICDCable"), "did you mean"),
+        (("render", "chain", "--env", "ICDCable", "--out", "chain.png"), "did you mean"),
+        (("render", "chain", "--env", CABLE, "--out", "chain.jpg"), "ends in .png"),
+        (("render", "episode", "--agent", "icdd", "--env", CABLE, "--out", "e.png"), "agent"),
         (("render", "field", "--env", CABLE, "--out", "field.jpg"), "ends in .png"),
         (("diagnose", "field", "--env", CABLE, "--weights", "nowhere"), "cannot read nowhere"),
     ],
@@ -172,6 +194,20 @@ def test_chains_are_diagnosed_in_unseen_scenes(weights: Path, trained: Trained) 
     assert values["line_mse"] > 0
     assert values["goal_distance"] > 0
     assert -1 <= values["order"] <= 1
+
+
+def test_a_chain_is_drawn_beside_the_experts(
+    weights: Path, trained: Trained, tmp_path: Path
+) -> None:
+    folder, out = tmp_path / "weights", tmp_path / "chain.png"
+    parts = {"field": weights, "latent": trained.latent, "diffusion": trained.diffusion}
+    for name, part in parts.items():
+        shutil.copytree(part, folder / name)
+    drawn = icd_bench("render", "chain", "--env", CABLE, "--weights", folder, "--out", out)
+    assert drawn.exit_code == 0, drawn.stderr
+    with Image.open(out) as picture:
+        assert picture.width > 1000
+        assert len(set(picture.convert("RGB").resize((64, 64)).getdata())) > 100
 
 
 def test_a_bank_needs_episodes_that_solve_their_task(
