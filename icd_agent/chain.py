@@ -86,16 +86,17 @@ class ReplanningSource(SubgoalSource, Protocol):
         observation: Observation,
         space: Placed,
         rng: np.random.Generator,
-        index: int,
+        index: int | None,
     ) -> Subgoals | None:
-        """Another chain from now to the goal, or None to keep what is left of the last one.
+        """Return another chain from now to the goal, or None to keep what is left of the last.
 
         Args:
             episode: what is known of it.
             observation: the present one.
             space: in which distances are measured.
             rng: source of every draw.
-            index: of the next subgoal of the last chain.
+            index: of the next subgoal of the last chain; None if that chain has been followed to
+                its end in vain.
         """
         ...
 
@@ -184,6 +185,11 @@ class SubgoalChain:
         """Index of the next subgoal; L - 1 from the time only the last is left."""
         return self._index
 
+    @property
+    def at_end(self) -> bool:
+        """Whether only the last subgoal is left."""
+        return self._index == len(self._subgoals) - 1
+
     def ahead(self) -> FloatArray:
         """Return the subgoals to aim at now, (W, N, D) with 1 <= W <= window."""
         return self._subgoals[self._index : self._index + self._window]
@@ -195,17 +201,19 @@ class SubgoalChain:
             current: (N, D) present state in the cost space; call once per control step.
 
         Returns:
-            Whether patience has run out.
+            Whether patience has run out. At the last subgoal it does even if that is reached: an
+            episode that has solved its task is over.
         """
         if self._begin is None:
             self._begin = np.array(current)
         index, waited = self._after_reached(current), self._steps_since_progress
         patience = self._patience
-        stalled = index == self._index and patience is not None and waited >= patience
-        index += stalled
-        if index > self._index:
-            self._index = min(index, len(self._subgoals) - 1)
+        progress = index > self._index and not self.at_end
+        stalled = not progress and patience is not None and waited >= patience
+        index = min(index + stalled, len(self._subgoals) - 1)
+        if stalled or index > self._index:
             self._steps_since_progress = 0
+        self._index = index
         self._steps_since_progress += 1
         return stalled
 

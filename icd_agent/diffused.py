@@ -71,12 +71,15 @@ class DiffusedSource:
         observation: Observation,
         space: Placed,
         rng: np.random.Generator,
-        index: int,
+        index: int | None,
     ) -> Subgoals | None:
-        """Generate another chain; None if what is left of the last one takes fewer steps."""
+        """Generate another chain; None if what is left of the last one takes fewer steps.
+
+        A chain that was followed to its end in vain is always replaced.
+        """
         assert self._last is not None
         asked = self._generate(episode, observation, space, rng)
-        if self._generator.config.keep_shorter:
+        if self._generator.config.keep_shorter and index is not None:
             ahead = self._last.found.latents[index + 1 :]
             left = torch.cat([asked.task.now[None], ahead])
             steps = self._generator.steps(left[None], asked.task.scene)

@@ -198,13 +198,14 @@ class SubgoalTracker:
             self._placed = self.space.place(observation)
             subgoals = self._source.chain(episode, observation, self._placed, self._rng)
             self._chain = self._begin(subgoals)
+        at_end = self._chain.at_end
         stalled = self._chain.advance(self._placed.here(observation["achieved_goal"]))
         every = self.config.replan_every
         self._since_asked += 1
         if every is not None and (stalled or self._since_asked > every):
             assert isinstance(self._source, ReplanningSource)
             self._since_asked = 0
-            index = self._chain.index
+            index = None if stalled and at_end else self._chain.index
             again = self._source.again(episode, observation, self._placed, self._rng, index)
             if again is not None:
                 self._chain = self._begin(again)

@@ -19,12 +19,12 @@ class Waypoints:
     needs_oracle = False
 
     def __init__(self, *positions: tuple[float, float, float]) -> None:
-        self._positions = np.array(positions)
+        self.positions = np.array(positions)
 
     def chain(
         self, episode: Episode, observation: Observation, space: Placed, rng: np.random.Generator
     ) -> Subgoals:
-        clouds = cloud_at(self._positions)
+        clouds = cloud_at(self.positions)
         return Subgoals(clouds, clouds)
 
 
@@ -207,7 +207,7 @@ class Again(Waypoints):
     def __init__(self, first: tuple[float, float, float], then: Subgoals | None) -> None:
         super().__init__(first)
         self._then = then
-        self.asked: list[int] = []
+        self.asked: list[int | None] = []
 
     def again(
         self,
@@ -215,7 +215,7 @@ class Again(Waypoints):
         observation: Observation,
         space: Placed,
         rng: np.random.Generator,
-        index: int,
+        index: int | None,
     ) -> Subgoals | None:
         self.asked.append(index)
         return self._then
@@ -246,7 +246,22 @@ def test_a_source_is_asked_when_patience_runs_out() -> None:
     source = Again((9.0, 0.0, 0.0), None)
     config = TrackerConfig(patience=5, replan_every=1000)
     drive(SubgoalTracker(source, PointSpace(), preset("paper"), config), ToyWorld(), 20)
-    assert len(source.asked) == 3
+    assert source.asked == [None] * 3  # the only subgoal was followed in vain
+
+
+def test_a_source_hears_which_subgoal_is_next_or_that_none_is_left() -> None:
+    source = Again((9.0, 0.0, 0.0), None)
+    source.positions = np.array([(8.0, 0.0, 0.0), (9.0, 0.0, 0.0)])
+    config = TrackerConfig(patience=5, replan_every=4)
+    drive(SubgoalTracker(source, PointSpace(), preset("paper"), config), ToyWorld(), 16)
+    assert source.asked == [0, 1, None, None]
+
+
+def test_a_reached_end_is_waited_at_no_longer_than_any_other_subgoal() -> None:
+    source = Again((0.0, 0.0, 0.0), None)
+    config = TrackerConfig(patience=5, replan_every=1000, threshold=1e3)
+    drive(SubgoalTracker(source, PointSpace(), preset("paper"), config), ToyWorld(), 20)
+    assert source.asked == [None] * 3
 
 
 def test_only_a_source_that_can_be_asked_again_may_be_asked() -> None:
