@@ -100,7 +100,7 @@ def train_latent(
     out: Out,
     field: Field = None,
     device: Device = "cpu",
-    steps: Steps = 4000,
+    steps: Steps = 12000,
     episodes: Episodes = 1500,
     seed: Seed = 0,
     as_json: AsJson = False,
