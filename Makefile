@@ -26,7 +26,7 @@ $(VENV)/.installed-dev: $(VENV)/.installed
 	@touch $@
 
 bench: setup
-	$(BIN)/icd-bench run --agent pc-mppi --agent expert --agent random --env ICDCableRouting-v0 \
+	$(BIN)/icd-bench run --agent icd --agent pc-mppi --agent expert --agent random --env ICDCableRouting-v0 \
 		--episodes $(EPISODES) --workers $(WORKERS)
 
 test: setup-dev
