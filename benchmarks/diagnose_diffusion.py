@@ -45,9 +45,10 @@ def diagnose(
         weights: folder of the denoiser; None is the package's.
 
     Returns:
-        All distances are between latents normalised to unit variance, root mean square per
-        number: ``nearest_state``, of generated subgoals to the nearest real state of their scene;
-        ``step_distance``, between consecutive states of a real chain, to compare it with;
+        All distances are between latents divided by one number, so that they have unit variance,
+        root mean square per number: ``nearest_state``, of generated subgoals to the nearest real
+        state of their scene; ``step_distance``, between consecutive states of a real chain, to
+        compare it with;
         ``order``, Kendall's tau of the subgoals' places in the chain and the times of these
         states; ``endpoint_error``, of a last subgoal generated for a goal of another scene, to the
         last state of its own; ``goal_distance``, of that foreign goal itself; and mean squared
@@ -80,7 +81,7 @@ def _chain(
     rng: np.random.Generator,
 ) -> dict[str, float]:
     def normal(values: Tensor) -> Tensor:
-        return (values - denoiser.mean) / denoiser.deviation
+        return (values - denoiser.mean) / denoiser.deviation.square().mean().sqrt()
 
     first, end = states.first[i : i + 2]
     other = (i + 1) % (len(states.first) - 1)

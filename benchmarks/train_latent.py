@@ -51,7 +51,8 @@ def latent(
     """
     check_device(device)
     states, about = describe(env_id, data, field, episodes)
-    config = LatentConfig(states.features.shape[-1], states.tokens.features.shape[-1])
+    points, features = states.features.shape[1:]
+    config = LatentConfig(features, states.tokens.features.shape[-1], points)
     settings = TrainingConfig(steps=steps, learning_rate=1e-3, seed=seed)
     with training(f"latents of {env_id}", steps) as seen:
         trained = train_latent(states, config, settings, out, about=about, device=device, seen=seen)

@@ -81,7 +81,10 @@ def train_diffusion(
 def denoising_loss(
     model: nn.Module, schedule: DDIMScheduler, chains: Chains, noise: Tensor, time: Tensor
 ) -> dict[str, Tensor]:
-    """Squared error of the clean latents that are not given.
+    """Squared error of the clean latents that are not given, in the units of the autoencoder.
+
+    The network sees every number with unit variance, but those that hardly vary hardly matter:
+    errors count by the variance that is behind them, so that they are those of what is decoded.
 
     Args:
         model: a ``Denoiser``.
@@ -93,7 +96,8 @@ def denoising_loss(
     given = (chains.known.kinds == GIVEN)[..., None]
     noisy = schedule.add_noise(chains.clean, noise, cast(torch.IntTensor, time))
     noisy = torch.where(given, chains.clean, noisy)
-    error = (model(noisy, time, chains.known) - chains.clean).square().mean(-1)
+    spread = cast(Tensor, model.deviation).square()
+    error = (model(noisy, time, chains.known) - chains.clean).square() @ (spread / spread.sum())
     wanted = ~given[..., 0]
     noisiest = wanted & (time >= 0.9 * len(schedule.alphas_cumprod))[:, None]
     return {

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import torch
 from torch import Tensor, nn
@@ -11,6 +11,10 @@ from torch.nn import functional
 
 from icd_agent.field.neighbours import gather, nearest, spread
 from icd_agent.latent.config import LatentConfig
+
+BEGIN: Final = -6.0
+"""About what the logarithm of the variance is before training: what principal components say is
+worth keeping from the first step on."""
 
 
 class Parts(NamedTuple):
@@ -54,7 +58,7 @@ class Encoder(nn.Module):
         self.out = nn.Linear(8 * width, 2 * config.latent)
 
     def forward(self, features: Tensor, canonical: Tensor) -> tuple[Tensor, Tensor]:
-        """Mean and logarithm of the variance of the latent.
+        """What is added to the linear latent, and the logarithm of the variance.
 
         Args:
             features: (B, N, D), normalised.
@@ -71,7 +75,7 @@ class Encoder(nn.Module):
         whole = self.whole(torch.cat([told, middles], dim=-1))
         pooled = torch.cat([whole.amax(dim=1), whole.mean(dim=1)], dim=-1)
         mean, log_variance = self.out(pooled).chunk(2, dim=-1)
-        return mean, log_variance.clamp(-20.0, 4.0)
+        return mean, (log_variance + BEGIN).clamp(-20.0, 4.0)
 
 
 class Decoder(nn.Module):

@@ -14,6 +14,7 @@ class LatentConfig:
     Attributes:
         features: D, numbers per object point.
         scene_features: numbers per scene token, its place left out.
+        points: N, of the object.
         latent: Z.
         groups: G, parts of the object, spread over its canonical cloud.
         neighbours: points of a part.
@@ -28,6 +29,7 @@ class LatentConfig:
 
     features: int
     scene_features: int
+    points: int
     latent: int = 64
     groups: int = 32
     neighbours: int = 16

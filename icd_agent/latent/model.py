@@ -7,40 +7,68 @@ from torch import Tensor, nn
 
 from icd_agent.latent.autoencoder import Decoder, Encoder
 from icd_agent.latent.config import LatentConfig
+from icd_agent.latent.principal import Principal
 from icd_agent.latent.reachability import Reachability
+from icd_agent.options import require
 
 
 class LatentModel(nn.Module):
     """Features of an object's points <-> a short vector, and distances between vectors in steps.
 
-    Features are made zero-mean per dimension and divided by one number for all dimensions:
-    dividing each by its own would blow up those that hardly vary.
+    The latent is made of the coefficients of principal components and of what PointNet++ adds to
+    them; the decoder adds to the linear reconstruction what components cannot say. So the networks
+    learn only what is not linear, and distances between latents are about those between features.
     """
 
     mean: Tensor
     scale: Tensor
+    components: Tensor
 
-    def __init__(
-        self, config: LatentConfig, mean: Tensor | None = None, scale: float = 1.0
-    ) -> None:
+    def __init__(self, config: LatentConfig, linear: Principal | None = None) -> None:
         """Build the layers.
 
         Args:
             config: sizes.
-            mean: (D,) of the training states' features; None while weights are loaded.
-            scale: root mean square of what is left.
+            linear: of the training states' features; None while weights are loaded.
         """
         super().__init__()
         self.config = config
         self.encoder = Encoder(config)
         self.decoder = Decoder(config)
         self.reachability = Reachability(config)
-        self.register_buffer("mean", torch.zeros(config.features) if mean is None else mean)
-        self.register_buffer("scale", torch.tensor(float(scale)))
+        shape = config.points, config.features
+        if linear is None:
+            mean, scale, components = torch.zeros(shape), 1.0, torch.zeros(config.latent, *shape)
+        else:
+            mean, scale = torch.from_numpy(linear.mean), linear.scale
+            components = torch.from_numpy(linear.components)
+        self.register_buffer("mean", mean)
+        self.register_buffer("scale", torch.tensor(scale))
+        self.register_buffer("components", components)
 
     def normalise(self, features: Tensor) -> Tensor:
         """(..., N, D) as the cost space has them -> as the network has them."""
         return (features - self.mean) / self.scale
+
+    def distribution(self, values: Tensor, canonical: Tensor) -> tuple[Tensor, Tensor]:
+        """Mean and logarithm of the variance of the latent, (B, Z) each.
+
+        Args:
+            values: (B, N, D), normalised.
+            canonical: (N, 3) [m] the object in its rest frame.
+        """
+        added, log_variance = self.encoder(values, canonical)
+        share = self.config.latent / self.config.points
+        linear = share * values.flatten(1) @ self.components.flatten(1).T
+        return linear + added, log_variance
+
+    def reconstruct(
+        self, latents: Tensor, canonical: Tensor, points: Tensor | slice = slice(None)
+    ) -> Tensor:
+        """(B, Z) -> normalised features (B, P, D) of the points with these indices."""
+        components = self.components[:, points]
+        linear = (latents @ components.flatten(1)).view(-1, *components.shape[1:])
+        return linear + self.decoder(latents, canonical[points])
 
     def encode(self, features: Tensor, canonical: Tensor) -> Tensor:
         """Latents (B, Z) of object states.
@@ -48,11 +76,14 @@ class LatentModel(nn.Module):
         Args:
             features: (B, N, D) of the cost space.
             canonical: (N, 3) [m] the object in its rest frame.
+
+        Raises:
+            InvalidOptionError: another number of points than it was trained with.
         """
-        mean: Tensor = self.encoder(self.normalise(features), canonical)[0]
-        return mean
+        points = self.config.points
+        require(features.shape[1] == points, "points", features.shape[1], f"{points}, as trained")
+        return self.distribution(self.normalise(features), canonical)[0]
 
     def decode(self, latents: Tensor, canonical: Tensor) -> Tensor:
         """(B, Z) -> features (B, N, D) of the cost space."""
-        decoded: Tensor = self.decoder(latents, canonical) * self.scale + self.mean
-        return decoded
+        return self.reconstruct(latents, canonical) * self.scale + self.mean

@@ -15,12 +15,12 @@ from icd_agent.checkpoints import load_checkpoint
 from icd_agent.latent.config import LatentConfig
 from icd_agent.latent.model import LatentModel
 from icd_agent.latent.pairs import draw_pairs
+from icd_agent.latent.principal import principal
 from icd_agent.latent.reachability import bins_of, expected_steps
 from icd_agent.states import States
 from icd_agent.training.config import TrainingConfig
 from icd_agent.training.loop import Seen, Trained
 from icd_agent.training.network import Network, train_network
-from icd_envs.api import Float32Array
 
 KIND: Final = "latent"
 BATCH: Final = 32
@@ -32,8 +32,8 @@ the head's own steps are those of Adam, which are the same for any weight."""
 DECODED: Final = 50
 """Points of each state that are decoded in a step: the decoder takes them one by one, and a wider
 decoder of fewer points learns more in the same time."""
-STATISTICS: Final = 2000
-"""States that mean and scale of the features are taken from."""
+STATISTICS: Final = 4000
+"""States that principal components are taken from."""
 
 
 def train_latent(
@@ -60,7 +60,8 @@ def train_latent(
     Raises:
         TrainingError: see ``icd_agent.training.loop.train``.
     """
-    mean, scale = _statistics(states, np.random.default_rng([training.seed]))
+    rng = np.random.default_rng([training.seed])
+    linear = principal(states, config.latent, STATISTICS, rng)
     canonical = torch.from_numpy(states.canonical).to(device)
 
     def loss(model: nn.Module, rng: np.random.Generator) -> dict[str, Tensor]:
@@ -82,7 +83,7 @@ def train_latent(
         )
 
     about = {**about, "episodes": len(states.success), "states": len(states.step)}
-    network = Network(KIND, config, lambda: LatentModel(config, torch.from_numpy(mean), scale))
+    network = Network(KIND, config, lambda: LatentModel(config, linear))
     return train_network(network, loss, training, out, about=about, device=device, seen=seen)
 
 
@@ -98,7 +99,7 @@ def latent_loss(
     """Terms of the loss of one batch of pairs.
 
     Args:
-        model: with mean and scale of the features.
+        model: with the principal components of the features.
         features: (2 B, N, D) of the cost space, the earlier states first.
         canonical: (N, 3) [m].
         scene: (B, A, F + 3) tokens seen from the earlier states.
@@ -107,10 +108,10 @@ def latent_loss(
         decoded: (P,) indices of the points that are decoded.
     """
     wanted = model.normalise(features)
-    mean, log_variance = model.encoder(wanted, canonical)
+    mean, log_variance = model.distribution(wanted, canonical)
     latents = mean + noise * (0.5 * log_variance).exp()
     # Normalised features have a variance of 1 / D: per dimension, the error is a share of it.
-    error = model.decoder(latents, canonical[decoded]) - wanted[:, decoded]
+    error = model.reconstruct(latents, canonical, decoded) - wanted[:, decoded]
     recon = error.square().sum(-1).mean()
     kl = 0.5 * (mean.square() + log_variance.exp() - 1.0 - log_variance).sum(-1).mean()
     first, second = latents.chunk(2)
@@ -134,10 +135,3 @@ def load_latent(folder: Path) -> LatentModel:
     """
     make: Callable[[dict[str, Any]], LatentModel] = lambda given: LatentModel(LatentConfig(**given))  # noqa: E731
     return load_checkpoint(folder, KIND, make)
-
-
-def _statistics(states: States, rng: np.random.Generator) -> tuple[Float32Array, float]:
-    rows = np.sort(rng.integers(len(states.step), size=STATISTICS))
-    features = states.features[rows].astype(np.float32)
-    mean = features.mean(axis=(0, 1))
-    return mean, float(np.sqrt(np.square(features - mean).sum(-1).mean()))

@@ -13,7 +13,7 @@ from icd_agent.training.initial import initialise
 from icd_envs.api import Episode, Observation
 from tests.agent.toy_world import ToyWorld
 
-CONFIG = LatentConfig(3, 3, latent=6, groups=4, neighbours=3, width=8, decoder_width=8)
+CONFIG = LatentConfig(3, 3, 5, latent=6, groups=4, neighbours=3, width=8, decoder_width=8)
 RNG = np.random.default_rng(0)
 
 

@@ -25,7 +25,7 @@ from tests.agent.field.small import SMALL, small_field
 from tests.envs.making import CABLE
 
 FEATURES = SMALL.descriptor
-LATENT = LatentConfig(FEATURES, FEATURES, latent=8, groups=6, neighbours=4, width=16)
+LATENT = LatentConfig(FEATURES, FEATURES, 200, latent=8, groups=6, neighbours=4, width=16)
 DENOISER = DiffusionConfig(8, FEATURES, width=32, layers=1, heads=2)
 
 
@@ -113,7 +113,7 @@ def test_unknown_preset_is_refused() -> None:
 
 def test_networks_that_do_not_fit_one_another_are_refused() -> None:
     fitting = networks()
-    other = LatentConfig(FEATURES + 1, FEATURES, latent=8)
+    other = LatentConfig(FEATURES + 1, FEATURES, 200, latent=8)
     with pytest.raises(CheckpointError, match="9 features"):
         ICDAgent(fitting._replace(latent=LatentModel(other).eval()))
     wider = DiffusionConfig(16, FEATURES, width=32, layers=1, heads=2)

@@ -24,7 +24,7 @@ from icd_agent.training.config import TrainingConfig
 from icd_envs.errors import InvalidOptionError
 from tests.agent.toy_states import CANONICAL, bar_at, toy_states
 
-LATENT = LatentConfig(3, 4, latent=8, groups=6, neighbours=4, width=16, decoder_width=16)
+LATENT = LatentConfig(3, 4, 12, latent=8, groups=6, neighbours=4, width=16, decoder_width=16)
 SMALL = DiffusionConfig(8, 4, width=48, layers=2, heads=2)
 
 

@@ -1,0 +1,60 @@
+"""Principal components of training states: the linear part of the autoencoder."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import torch
+
+from icd_agent.options import require
+from icd_agent.states import States
+from icd_envs.api import Float32Array
+
+
+class Principal(NamedTuple):
+    """What training states vary in most.
+
+    Attributes:
+        mean: (N, D) of the features.
+        scale: root mean square, over states and points, of what is left.
+        components: (Z, N, D) orthogonal, the first explains most; each has a mean square of N / Z
+            over the points, so that coefficients have one of about 1 over components and states.
+    """
+
+    mean: Float32Array
+    scale: float
+    components: Float32Array
+
+
+def principal(states: States, latent: int, count: int, rng: np.random.Generator) -> Principal:
+    """Components of randomly drawn states.
+
+    Args:
+        states: of recorded episodes.
+        latent: Z.
+        count: how many states are drawn, at most.
+        rng: source of every draw.
+
+    Raises:
+        InvalidOptionError: more components than states, or than numbers in a state.
+    """
+    count = min(count, len(states.step))
+    numbers = int(np.prod(states.features.shape[1:]))
+    most = min(count, numbers)
+    require(latent <= most, "latent", latent, f"at most {most}, of these states")
+    rows = np.sort(rng.choice(len(states.step), count, replace=False))
+    features = states.features[rows].astype(np.float32)
+    mean = features.mean(axis=0)
+    features -= mean
+    scale = float(np.sqrt(np.square(features).sum(-1).mean()))
+    flat = torch.from_numpy(features.reshape(count, -1) / scale)
+    if flat.shape[0] < flat.shape[1]:  # of the two products, the smaller one
+        axes = flat.T @ torch.linalg.eigh(flat @ flat.T).eigenvectors.flip(-1)[:, :latent]
+    else:
+        axes = torch.linalg.eigh(flat.T @ flat).eigenvectors.flip(-1)[:, :latent]
+    axes = torch.linalg.qr(axes).Q.T  # of length 1, and orthogonal where nothing varies
+    largest = axes.gather(1, axes.abs().argmax(dim=1, keepdim=True))
+    axes = axes * largest.sign()  # an axis has no direction of its own
+    components = axes.numpy().reshape(latent, *mean.shape) * np.sqrt(len(mean) / latent)
+    return Principal(mean, scale, components.astype(np.float32))
