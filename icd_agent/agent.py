@@ -53,13 +53,13 @@ PRESETS: Final = {
         "improved",
         ChainConfig(),
         TrackerConfig(
-            threshold=0.5, spacing="own", passed=0.7, window=1, patience=20, replan_every=40
+            threshold=0.5, spacing="own", passed=0.7, window=1, patience=10, replan_every=20
         ),
     ),
 }
 """``paper``: one chain, minimum over all remaining subgoals, the goal in-painted. ``improved``: the
-easiest of several chains, one subgoal at a time, passed once most of the way to it is done, the
-last one generated if the goal is foreign, noise correlated in time."""
+one of several chains that is most like the others, one subgoal at a time, passed once most of the
+way to it is done, the last one generated if the goal is foreign, noise correlated in time."""
 
 
 class Networks(NamedTuple):

@@ -53,8 +53,8 @@ class ChainConfig:
     """How chains are generated.
 
     Attributes:
-        chains: how many are drawn; the one with the smallest sum of squared predicted steps
-            between consecutive subgoals is kept.
+        chains: how many are drawn; the one whose summed distance to the others is smallest is
+            kept.
         denoising_steps: of DDIM, per level.
         reachable: [control steps] a chain is refined while any pair is predicted to be farther
             apart.

@@ -62,7 +62,7 @@ class Generator:
 
     @torch.no_grad()
     def generate(self, task: Task, rng: np.random.Generator) -> Generated:
-        """Draw chains and keep the one that is predicted to be the easiest to follow.
+        """Draw chains and keep the one that is most like the others.
 
         Args:
             task: where from and where to.
@@ -74,12 +74,11 @@ class Generator:
         chains = ends.expand(count, -1, -1)
         for level in range(1, LEVELS + 1):
             chains = self._refine(chains, task, level, foreign, rng)
-            steps = self.steps(chains * self._denoiser.deviation + self._denoiser.mean, task.scene)
-            if bool(steps.amax(dim=1).amin() <= self.config.reachable):
+            latents = self._most_alike(chains * self._denoiser.deviation + self._denoiser.mean)
+            steps = self.steps(latents[None], task.scene)[0]
+            if float(steps.max()) <= self.config.reachable:
                 break
-        best = int(steps.square().sum(dim=1).argmin())
-        latents = chains[best] * self._denoiser.deviation + self._denoiser.mean
-        return Generated(latents, steps[best])
+        return Generated(latents, steps)
 
     @torch.no_grad()
     def steps(self, chains: Tensor, scene: Tensor) -> Tensor:
@@ -87,6 +86,12 @@ class Generator:
         first, second = chains[:, :-1].flatten(0, 1), chains[:, 1:].flatten(0, 1)
         logits = self._latent.reachability(first, second, scene.expand(len(first), -1, -1))
         return shortest_steps(logits, self._latent.config).view(len(chains), -1)
+
+    @staticmethod
+    def _most_alike(chains: Tensor) -> Tensor:
+        """The one (L, Z) of chains (C, L, Z) whose distances to the others have the least sum."""
+        apart = (chains[:, None] - chains[None]).square().sum(dim=(2, 3)).sqrt()
+        return chains[int(apart.sum(dim=1).argmin())]
 
     def _normalise(self, latents: Tensor) -> Tensor:
         return (latents - self._denoiser.mean) / self._denoiser.deviation

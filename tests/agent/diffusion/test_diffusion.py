@@ -188,6 +188,11 @@ def test_foreign_goals_have_the_same_parts_done() -> None:
     assert seen > 50
 
 
+def test_the_chain_most_like_the_others_is_kept() -> None:
+    chains = torch.tensor([0.0, 10.0, 1.0, 2.0, -9.0])[:, None, None].expand(-1, 3, 2)
+    assert torch.equal(Generator._most_alike(chains), chains[2])
+
+
 def test_latents_are_those_of_the_states(networks: Networks) -> None:
     states = toy_states(3)
     latents = encode_states(states, networks.latent)
