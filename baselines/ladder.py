@@ -101,22 +101,22 @@ def make_vae(env_id: str) -> SubgoalTracker:
 
 def make_retrieved_chain(env_id: str) -> SubgoalTracker:
     """Build rung 4: the recorded chain nearest to a generated one; what fails are such chains."""
-    from icd_agent.agent import PRESETS, load_networks
+    from icd_agent.agent import PRESETS, best_preset, load_networks
     from icd_agent.diffused import DiffusedSource
     from icd_agent.diffusion.generate import Generator
     from icd_agent.diffusion.retrieval import KIND, Retriever, load_bank
 
     field, latent, denoiser = load_networks(shipped_folder(env_id))
-    generator = Generator(denoiser, latent, PRESETS["improved"].chain)
+    generator = Generator(denoiser, latent, PRESETS[best_preset(env_id)].chain)
     retriever = Retriever(generator, load_bank(shipped_folder(env_id, KIND)))
     return _track_as_icd(DiffusedSource(field, latent, retriever), env_id)
 
 
 def _track_as_icd(source: SubgoalSource, env_id: str) -> SubgoalTracker:
-    from icd_agent.agent import PRESETS
+    from icd_agent.agent import PRESETS, best_preset
     from icd_agent.field.space import FieldSpace
 
-    settings = PRESETS["improved"]
+    settings = PRESETS[best_preset(env_id)]
     config = replace(settings.tracker, replan_every=None)
     return SubgoalTracker(source, FieldSpace.shipped(env_id), preset(settings.mppi), config)
 

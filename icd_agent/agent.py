@@ -43,23 +43,34 @@ class Preset(NamedTuple):
     tracker: TrackerConfig
 
 
+_CLOSELY: Final = TrackerConfig(
+    threshold=0.5, spacing="own", passed=0.7, window=1, patience=10, replan_every=20
+)
+
 PRESETS: Final = {
     "paper": Preset(
         "adaptive",
         ChainConfig(chains=1, inpaint_goal=True, keep_shorter=False),
         TrackerConfig(replan_every=20),
     ),
-    "improved": Preset(
-        "improved",
-        ChainConfig(),
-        TrackerConfig(
-            threshold=0.5, spacing="own", passed=0.7, window=1, patience=10, replan_every=20
-        ),
-    ),
+    "improved": Preset("improved", ChainConfig(), _CLOSELY),
+    "careful": Preset("adaptive", ChainConfig(), _CLOSELY),
 }
 """``paper``: one chain, minimum over all remaining subgoals, the goal in-painted. ``improved``: the
 one of several chains that is most like the others, one subgoal at a time, passed once most of the
-way to it is done, the last one generated if the goal is foreign, noise correlated in time."""
+way to it is done, the last one generated if the goal is foreign, noise correlated in time.
+``careful``: the same with the paper's white noise, for objects that must not be hurried."""
+
+_BEST: Final = {"notebook-folding": "careful"}
+
+
+def best_preset(source: str | Path) -> str:
+    """Name of the settings that did best in training scenes.
+
+    Args:
+        source: as ``ICDAgent.from_pretrained`` takes it.
+    """
+    return _BEST.get(weights_name(str(source)) or "", "improved")
 
 
 class Networks(NamedTuple):
@@ -111,7 +122,7 @@ class ICDAgent:
 
         Args:
             networks: trained on one another.
-            preset: "paper" or "improved".
+            preset: "paper", "improved" or "careful".
             env: gives ``predict`` the simulator; the benchmark's runner needs none.
 
         Raises:
@@ -136,7 +147,7 @@ class ICDAgent:
 
     @classmethod
     def from_pretrained(
-        cls, source: str | Path, preset: str = "improved", *, env: Env | None = None
+        cls, source: str | Path, preset: str | None = None, *, env: Env | None = None
     ) -> ICDAgent:
         """Load an agent.
 
@@ -144,13 +155,15 @@ class ICDAgent:
             source: id of an environment, for the weights of the package; or a folder that
                 ``save_pretrained`` has written; or ``owner/name`` of a repository on the Hugging
                 Face hub, which is downloaded.
-            preset: "paper" or "improved".
+            preset: "paper", "improved" or "careful"; None is what did best with the package's
+                weights, and "improved" for others.
             env: gives ``predict`` the simulator.
 
         Raises:
             CheckpointError: missing or damaged weights.
             InvalidOptionError: unknown preset.
         """
+        preset = best_preset(source) if preset is None else preset
         return cls(load_networks(_find(source)), preset, env=env)
 
     def save_pretrained(self, folder: str | Path) -> None:

@@ -13,7 +13,7 @@ import torch
 from gymnasium.wrappers import TimeLimit
 from stable_baselines3.common.evaluation import evaluate_policy
 
-from icd_agent.agent import PRESETS, ICDAgent, Networks
+from icd_agent.agent import PRESETS, ICDAgent, Networks, best_preset
 from icd_agent.diffusion.config import DiffusionConfig
 from icd_agent.diffusion.denoiser import Denoiser
 from icd_agent.latent.config import LatentConfig
@@ -124,3 +124,9 @@ def test_networks_that_do_not_fit_one_another_are_refused() -> None:
 def test_missing_weights_are_named(tmp_path: Path) -> None:
     with pytest.raises(CheckpointError, match=str(tmp_path)):
         ICDAgent.from_pretrained(tmp_path)
+
+
+def test_the_notebook_is_not_hurried() -> None:
+    assert best_preset("ICDNotebookFolding-v0") == "careful"
+    assert best_preset("ICDNotebookFoldingAdaptation-v0") == "careful"
+    assert best_preset("ICDCableRouting-v0") == best_preset("some/folder") == "improved"
