@@ -37,12 +37,11 @@ def principal(states: States, latent: int, count: int, rng: np.random.Generator)
         rng: source of every draw.
 
     Raises:
-        InvalidOptionError: more components than states, or than numbers in a state.
+        InvalidOptionError: more components than numbers in a state.
     """
     count = min(count, len(states.step))
     numbers = int(np.prod(states.features.shape[1:]))
-    most = min(count, numbers)
-    require(latent <= most, "latent", latent, f"at most {most}, of these states")
+    require(latent <= numbers, "latent", latent, f"at most {numbers}, the numbers of a state")
     rows = np.sort(rng.choice(len(states.step), count, replace=False))
     features = states.features[rows].astype(np.float32)
     mean = features.mean(axis=0)
@@ -53,7 +52,8 @@ def principal(states: States, latent: int, count: int, rng: np.random.Generator)
         axes = flat.T @ torch.linalg.eigh(flat @ flat.T).eigenvectors.flip(-1)[:, :latent]
     else:
         axes = torch.linalg.eigh(flat.T @ flat).eigenvectors.flip(-1)[:, :latent]
-    axes = torch.linalg.qr(axes).Q.T  # of length 1, and orthogonal where nothing varies
+    axes = torch.nn.functional.pad(axes, (0, latent - axes.shape[1]))
+    axes = torch.linalg.qr(axes).Q.T  # of length 1, and orthogonal even where nothing varies
     largest = axes.gather(1, axes.abs().argmax(dim=1, keepdim=True))
     axes = axes * largest.sign()  # an axis has no direction of its own
     components = axes.numpy().reshape(latent, *mean.shape) * np.sqrt(len(mean) / latent)
