@@ -93,8 +93,8 @@ def describe_states(
     rows = [_rows(demonstrations, i) for i in range(count)]
     first = np.concatenate([[0], np.cumsum([len(each) for each in rows])])
     nodes = np.concatenate(rows)
-    seeds = hashlib.sha256(demonstrations.seeds[:count].tobytes()).hexdigest()
-    identity = {"space": space, "env": demonstrations.header.env_id, "seeds": seeds, "every": EVERY}
+    poses = hashlib.sha256(demonstrations.nodes[nodes].tobytes()).hexdigest()
+    identity = {"space": space, "env": demonstrations.header.env_id, "poses": poses, "every": EVERY}
     folder.mkdir(parents=True, exist_ok=True)
     done = _progress(folder, identity)
     arrays: dict[str, Any] = {}

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Final, Literal, NamedTuple
 
 import numpy as np
 
@@ -38,9 +38,28 @@ LOW: Final = 0.02
 """[m] lowest height of the gripper."""
 ARRIVED: Final = 0.03
 """[rad]"""
+STRAY_BEGINS: Final = 150
+"""Strays begin before this control step."""
+STRAY_STEPS: Final = (10, 31)
+STRAY_SPEED: Final = (0.015, 0.03)
+"""[m] per control step."""
 STALL_STEPS: Final = 10
 STALL_TRAVEL: Final = 0.02
 """[m] a gripper that moves less than this in STALL_STEPS is blocked, which ends a phase."""
+
+
+class Stray(NamedTuple):
+    """The gripper is led astray for a while, then the expert begins the present clip anew.
+
+    Attributes:
+        begin: control step of the episode.
+        end: first step on which the expert acts again.
+        velocity: (3,) [m] translation per control step in between.
+    """
+
+    begin: int
+    end: int
+    velocity: Float64Array
 
 
 @dataclass(frozen=True)
@@ -52,18 +71,22 @@ class Style:
         speed: [m] gripper translation per control step.
         noise: [m] standard deviation per axis of Gaussian noise on each translation.
         detour: (2,) bearing and elevation [rad] of a place to visit first, or None.
+        strays: times at which the gripper is led elsewhere.
     """
 
     contacts: tuple[Contact, ...] | None = None
     speed: float = 0.028
     noise: float = 0.0
     detour: tuple[float, float] | None = None
+    strays: tuple[Stray, ...] = ()
 
 
 def draw_style(rng: np.random.Generator, wanted: tuple[Contact, ...]) -> Style:
     """Behaviour for data that is not all good demonstrations (paper: it need not be).
 
-    With probability 0.3 one of: a clip passed behind, a clip left alone, a detour.
+    With probability 0.3 one of: a clip passed behind, a clip left alone, a detour. With
+    probability 0.5 the gripper is led astray once or twice, so that there are slack cables, missed
+    clips and ways out of both.
 
     Args:
         rng: source of every draw.
@@ -77,7 +100,16 @@ def draw_style(rng: np.random.Generator, wanted: tuple[Contact, ...]) -> Style:
             detour = (rng.uniform(-np.pi, np.pi), rng.uniform(0.0, 0.6))
         else:
             contacts[rng.integers(len(wanted))] = "behind" if fault == 0 else "free"
-    return Style(tuple(contacts), rng.uniform(0.018, 0.03), rng.uniform(0.0, 0.01), detour)
+    speed, noise = rng.uniform(0.018, 0.03), rng.uniform(0.0, 0.01)
+    strays = [_draw_stray(rng) for _ in range(rng.integers(1, 3))] if rng.random() < 0.5 else []
+    return Style(tuple(contacts), speed, noise, detour, tuple(strays))
+
+
+def _draw_stray(rng: np.random.Generator) -> Stray:
+    begin, duration = rng.integers(STRAY_BEGINS), rng.integers(*STRAY_STEPS)
+    direction = rng.normal(size=3)
+    speed = rng.uniform(*STRAY_SPEED)
+    return Stray(int(begin), int(begin + duration), speed * direction / np.linalg.norm(direction))
 
 
 class CableRoutingExpert:
@@ -108,6 +140,13 @@ class CableRoutingExpert:
         self._phase = 0
         self._detoured = self._style.detour is None
         self._recent: deque[Float64Array] = deque(maxlen=STALL_STEPS)
+        self._step = 0
+        self._done = False
+
+    @property
+    def done(self) -> bool:
+        """Whether every clip was dealt with at the last ``act``."""
+        return self._done
 
     def act(self, gripper: FloatArray, points: FloatArray) -> Float64Array:
         """Next action.
@@ -124,12 +163,22 @@ class CableRoutingExpert:
         if clip != self._clip:
             self._clip = clip
             self._begin(0 if not self._detoured else 1)
+        stray = self._stray()
+        self._step += 1
+        self._done = clip is None and stray is None
         translation = np.zeros(3)
-        if clip is not None:
+        if stray is not None:
+            translation = stray.velocity
+            self._begin(1)
+        elif clip is not None:
             translation = self._move(clip, np.asarray(gripper, float), points, crossings)
         if self._style.noise > 0 and self._rng is not None:
             translation = translation + self._rng.normal(0.0, self._style.noise, 3)
         return np.clip(translation / self._scale, -1.0, 1.0)
+
+    def _stray(self) -> Stray | None:
+        now = [each for each in self._style.strays if each.begin <= self._step < each.end]
+        return now[0] if now else None
 
     def _next_clip(self, crossings: list[Crossing | None]) -> int | None:
         for i, (contact, crossing) in enumerate(zip(self._contacts, crossings, strict=True)):

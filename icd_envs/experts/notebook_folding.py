@@ -193,6 +193,11 @@ class NotebookFoldingExpert:
         self._spine = 0.0
         self._recent: deque[Float64Array] = deque(maxlen=STALL_STEPS)
 
+    @property
+    def done(self) -> bool:
+        """Never: it holds the cover down for as long as it may."""
+        return False
+
     def act(self, gripper: FloatArray, points: FloatArray) -> Float64Array:
         """Next action.
 

@@ -15,6 +15,8 @@ from icd_envs.scenes.boxes import Box
 
 HOLD_STEPS: Final = 10
 """Control steps for which success must hold before an episode ends."""
+IDLE_STEPS: Final = 20
+"""Control steps that an expert is watched for after it is done."""
 
 SceneT = TypeVar("SceneT")
 
@@ -33,6 +35,11 @@ class Scenes(NamedTuple, Generic[SceneT]):
 
 class Expert(Protocol):
     """A scripted policy that looks at the simulation's true state."""
+
+    @property
+    def done(self) -> bool:
+        """Whether it has done what it set out to do, be that the task or not."""
+        ...
 
     def act(self, gripper: FloatArray, points: FloatArray) -> Float64Array:
         """Gripper position (3,) [m] and object cloud (N, 3) [m] -> action (3,) in [-1, 1]."""
@@ -134,6 +141,9 @@ def run_expert(
 ) -> Demonstration:
     """Let an expert act from the plant's present state until success holds or time is up.
 
+    It also ends ``IDLE_STEPS`` after the expert is done, so that what it did instead of the task is
+    a demonstration of that, not of waiting.
+
     Args:
         task: whose success counts.
         scene: what the plant was made from.
@@ -147,9 +157,9 @@ def run_expert(
     gripper = [_gripper(plant)]
     solved = [task.solved(points[-1], scene)]
     actions: list[Float32Array] = []
-    held = 0
+    held = idle = 0
     diverged = plant.diverged()
-    while held < HOLD_STEPS and len(actions) < budget and not diverged:
+    while held < HOLD_STEPS and idle < IDLE_STEPS and len(actions) < budget and not diverged:
         # As observed, so that an agent can repeat it.
         action = expert.act(gripper[-1][:3], points[-1]).astype(np.float32)
         plant.step(action)
@@ -159,6 +169,7 @@ def run_expert(
         gripper.append(_gripper(plant))
         solved.append(task.solved(points[-1], scene))
         held = held + 1 if bool(solved[-1].all()) else 0
+        idle = idle + 1 if expert.done else 0
         diverged = plant.diverged()
     return Demonstration(
         np.stack(points),

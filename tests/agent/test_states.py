@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from pathlib import Path
 
 import numpy as np
@@ -88,3 +89,13 @@ def test_features_of_something_else_are_refused(
     compute(demonstrations, tmp_path, Describe())
     with pytest.raises(DemonstrationsError, match="other states or of another space"):
         describe_states(demonstrations, Describe(), tmp_path, space="else", episodes=EPISODES)
+
+
+def test_features_of_the_same_seeds_played_by_another_expert_are_refused(
+    demonstrations: Demonstrations, tmp_path: Path
+) -> None:
+    compute(demonstrations, tmp_path, Describe())
+    anew = copy.copy(demonstrations)
+    anew.nodes = demonstrations.nodes + np.float32(1e-3)
+    with pytest.raises(DemonstrationsError, match="other states or of another space"):
+        compute(anew, tmp_path, Describe())

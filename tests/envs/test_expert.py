@@ -5,10 +5,10 @@ import pytest
 
 from icd_envs.demonstrations import demonstrate
 from icd_envs.errors import InvalidOptionError
-from icd_envs.experts.cable_routing import CableRoutingExpert, Style, draw_style
+from icd_envs.experts.cable_routing import CableRoutingExpert, Stray, Style, draw_style
 from icd_envs.geometry.routing import signed_crossings
 from icd_envs.scenes.cable_routing import CONTACTS, CableRoutingScene, Contact
-from icd_envs.tasks.base import HOLD_STEPS, Demonstration, run_expert
+from icd_envs.tasks.base import HOLD_STEPS, IDLE_STEPS, Demonstration, run_expert
 from icd_envs.tasks.cable_routing import CableRouting
 from icd_envs.tasks.problem import draw_problem, scene_rng
 from tests.envs.making import CABLE
@@ -63,6 +63,32 @@ def test_detour_goes_elsewhere_first(scenes: list[CableRoutingScene]) -> None:
     assert detour.steps > straight.steps
 
 
+def test_expert_led_astray_slackens_the_cable_and_still_routes(
+    scenes: list[CableRoutingScene],
+) -> None:
+    stray = Stray(30, 55, np.array([-0.02, 0.0, -0.01]))
+    for scene in scenes:
+        straight, led = perform(scene, Style()), perform(scene, Style(strays=(stray,)))
+        assert led.success
+        assert led.steps > straight.steps
+        np.testing.assert_array_equal(led.actions[:30], straight.actions[:30])
+        np.testing.assert_allclose(
+            led.actions[30:55] * TASK.action_scale, np.tile(stray.velocity, (25, 1)), atol=1e-7
+        )
+        reach = np.linalg.norm(led.points[:, -1] - led.points[:, 0], axis=-1)
+        assert reach[55] < 0.9 * reach[30]
+
+
+def test_episode_ends_soon_after_the_expert_is_done(scenes: list[CableRoutingScene]) -> None:
+    runs = [perform(scene, Style(("through", "free"))) for scene in scenes]
+    assert not any(run.success for run in runs)
+    for scene, run in zip(scenes, runs, strict=True):
+        assert run.steps < TASK.max_steps
+        routed = signed_crossings(run.points, scene.clip_poses)[:, 0] != 0
+        assert routed[-IDLE_STEPS:].all()
+        assert not run.actions[-IDLE_STEPS:].any()  # it has nothing left to do
+
+
 @pytest.mark.parametrize("noisy", [False, True])
 def test_same_seed_gives_the_same_demonstration(noisy: bool) -> None:
     first, second = (demonstrate(CABLE, seed=3, noisy=noisy) for _ in range(2))
@@ -101,6 +127,12 @@ def test_styles_are_mostly_good_and_always_valid() -> None:
         assert len(style.contacts) == 3
         assert 0 < style.speed <= TASK.action_scale
         assert style.noise >= 0
+    strays = [stray for style in styles for stray in style.strays]
+    led = [style for style in styles if style.strays]
+    assert len(led) / len(styles) == pytest.approx(0.5, abs=0.04)
+    assert len(strays) / len(led) == pytest.approx(1.5, abs=0.05)
+    assert all(0 <= stray.begin < stray.end <= TASK.max_steps for stray in strays)
+    assert max(np.linalg.norm(stray.velocity) for stray in strays) <= TASK.action_scale
 
 
 def test_noise_changes_the_actions_but_stays_in_the_box(scenes: list[CableRoutingScene]) -> None:
