@@ -85,6 +85,10 @@ def run(
     suite: Annotated[
         str | None, typer.Option(help="Fixed environments and episodes.", show_default="quick")
     ] = None,
+    condition: Annotated[
+        list[str] | None,
+        typer.Option(help="Only tasks of the suite under it; repeatable.", show_default="all"),
+    ] = None,
     episodes: Annotated[
         int | None,
         typer.Option(min=1, help="Test cases per agent and task, instead of the suite's."),
@@ -128,7 +132,14 @@ def run(
         from icd_envs.errors import InvalidOptionError
 
         chosen = find_suite(suite or "quick")
-        plan = plan_suite(chosen, agent, envs=env or (), episodes=episodes, seed=seed)
+        plan = plan_suite(
+            chosen,
+            agent,
+            envs=env or (),
+            conditions=condition or (),
+            episodes=episodes,
+            seed=seed,
+        )
         if resume and out is None:
             raise InvalidOptionError("--resume needs --out: name the folder to go on with")
         crew = make_executor(executor, workers=workers, threads=threads, address=address)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from benchmarks.conditions import DEFAULT, Condition, TaskSpec
 from benchmarks.suites import Suite, agent_seed, episode_seed
-from icd_envs.errors import InvalidOptionError
+from icd_envs.errors import InvalidOptionError, unknown_name
 
 JobKey = tuple[str, str, str, int, int]
 """Agent, environment, condition, index and repeat."""
@@ -115,6 +115,7 @@ def plan_suite(
     agents: Sequence[str],
     *,
     envs: Sequence[str] = (),
+    conditions: Sequence[str] = (),
     episodes: int | None = None,
     seed: int = 0,
 ) -> Plan:
@@ -124,13 +125,23 @@ def plan_suite(
         suite: what to run.
         agents: names; a repeated one counts once.
         envs: only these; one that the suite does not know is taken as it is.
+        conditions: only tasks under these; all if empty.
         episodes: test cases for each agent and task, instead of the suite's.
         seed: base seed.
+
+    Raises:
+        InvalidOptionError: no task is left under one of the conditions.
     """
     tasks = suite.tasks
     if envs:
         known = {env: [task for task in suite.tasks if task.env == env] for env in envs}
         tasks = tuple(task for env, found in known.items() for task in found or [TaskSpec(env)])
+    for name in conditions:
+        names = sorted({task.condition.name for task in tasks})
+        if name not in names:
+            raise InvalidOptionError(unknown_name("condition", name, names))
+    if conditions:
+        tasks = tuple(task for task in tasks if task.condition.name in conditions)
     cases = suite.episodes if episodes is None else episodes
     whole = tasks == suite.tasks and cases == suite.episodes
     title = suite.title if whole else ""

@@ -34,7 +34,7 @@ class LatentConfig:
     groups: int = 32
     neighbours: int = 16
     width: int = 64
-    decoder_width: int = 128
+    decoder_width: int = 64
     bins: int = 21
     bin_steps: int = 10
     softness: float = 10.0

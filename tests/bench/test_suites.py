@@ -5,7 +5,7 @@ import pytest
 
 from benchmarks.conditions import Condition, TaskSpec, make_env
 from benchmarks.plan import Plan, plan_suite
-from benchmarks.suites import SUITES, episode_seed, find_suite
+from benchmarks.suites import CABLE, CONTACT_GOALS, SUITES, episode_seed, find_suite
 from icd_envs.errors import InvalidOptionError
 from icd_envs.registration import ENV_IDS
 
@@ -97,6 +97,19 @@ def test_parts_of_a_suite_lose_its_name() -> None:
     assert plan_suite(suite, ["a"], episodes=suite.episodes).suite == suite.title
     part = plan_suite(suite, ["a"], envs=[suite.tasks[1].env, "Own-v0"], episodes=2)
     assert (part.suite, part.tasks) == ("", (suite.tasks[1], TaskSpec("Own-v0")))
+
+
+def test_conditions_of_a_suite_can_be_chosen() -> None:
+    suite = find_suite("robust")
+    part = plan_suite(suite, ["a"], envs=[CABLE], conditions=["contact goals"])
+    assert part.tasks == (TaskSpec(CABLE, CONTACT_GOALS),)
+    assert part.suite == ""
+    two = plan_suite(suite, ["a"], conditions=["default", "rope cable"])
+    assert [task.condition.name for task in two.tasks] == ["default", "rope cable", "default"]
+    with pytest.raises(InvalidOptionError, match="did you mean 'contact goals'"):
+        plan_suite(suite, ["a"], conditions=["contact goal"])
+    with pytest.raises(InvalidOptionError, match="rope cable"):
+        plan_suite(find_suite("quick"), ["a"], conditions=["rope cable"])
 
 
 def test_every_task_of_every_suite_can_be_made() -> None:
