@@ -32,6 +32,7 @@ AGENTS: dict[str, str] = {
     "ladder:oracle-descriptors": "baselines.ladder:make_oracle_descriptors",
     "ladder:vae": "baselines.ladder:make_vae",
     "ladder:retrieved-chain": "baselines.ladder:make_retrieved_chain",
+    "ladder:replaced-goal": "baselines.replaced_goal:make_replaced_goal",
     "ladder:transferred-points": "baselines.ladder:make_transferred_points",
     "ladder:transferred-descriptors": "baselines.ladder:make_transferred_descriptors",
 }
