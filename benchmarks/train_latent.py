@@ -94,8 +94,9 @@ def diffusion(
     folder = shipped_folder(env_id, LATENT) if latent is None else latent
     network = load_latent(folder)
     states, about = describe(env_id, data, field, episodes)
-    config = DiffusionConfig(network.config.latent, states.tokens.features.shape[-1])
-    settings = TrainingConfig(steps=steps, learning_rate=5e-4, seed=seed)
+    tokens, scene_features = states.tokens.features.shape[1:]
+    config = DiffusionConfig(network.config.latent, scene_features, tokens)
+    settings = TrainingConfig(steps=steps, learning_rate=1e-3, seed=seed)
     about = {**about, "latent": weights_sha256(folder)}
     with training(f"chains of {env_id}", steps) as seen:
         trained = train_diffusion(

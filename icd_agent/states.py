@@ -14,7 +14,7 @@ from numpy.lib.format import open_memmap
 from numpy.typing import NDArray
 
 from icd_agent.chain import Features
-from icd_agent.scene_tokens import SceneTokens
+from icd_agent.scene_tokens import TOKENS, SceneTokens
 from icd_envs.api import BoolArray, Float32Array
 from icd_envs.demonstrations import Demonstrations
 from icd_envs.errors import DemonstrationsError
@@ -94,7 +94,13 @@ def describe_states(
     first = np.concatenate([[0], np.cumsum([len(each) for each in rows])])
     nodes = np.concatenate(rows)
     poses = hashlib.sha256(demonstrations.nodes[nodes].tobytes()).hexdigest()
-    identity = {"space": space, "env": demonstrations.header.env_id, "poses": poses, "every": EVERY}
+    identity = {
+        "space": space,
+        "env": demonstrations.header.env_id,
+        "poses": poses,
+        "every": EVERY,
+        "tokens": TOKENS,
+    }
     folder.mkdir(parents=True, exist_ok=True)
     done = _progress(folder, identity)
     arrays: dict[str, Any] = {}

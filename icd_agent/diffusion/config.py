@@ -19,6 +19,8 @@ class DiffusionConfig:
     Attributes:
         latent: Z.
         scene_features: numbers per scene token, its place left out.
+        scene_tokens: how many of a scene's tokens are read: the first ones.
+        memory: numbers by which a scene token and the goal enter the attention.
         width: of the Transformer.
         layers: of the Transformer.
         heads: of its attention.
@@ -28,6 +30,8 @@ class DiffusionConfig:
 
     latent: int
     scene_features: int
+    scene_tokens: int
+    memory: int = 64
     width: int = 192
     layers: int = 4
     heads: int = 4

@@ -65,13 +65,13 @@ class Denoiser(nn.Module):
         self.kind = nn.Embedding(3, width)
         self.place = nn.Linear(width, width)
         self.scene = nn.Sequential(
-            nn.Linear(config.scene_features + 3, width), nn.SiLU(), nn.Linear(width, width)
+            nn.Linear(config.scene_features + 3, width), nn.SiLU(), nn.Linear(width, config.memory)
         )
-        self.goal = nn.Linear(latent, width)
-        self.foreign = nn.Embedding(2, width)
+        self.goal = nn.Linear(latent, config.memory)
+        self.foreign = nn.Embedding(2, config.memory)
         self.time = nn.Sequential(nn.Linear(width, width), nn.SiLU(), nn.Linear(width, width))
         self.level = nn.Embedding(LEVELS + 1, width)
-        self.blocks = nn.ModuleList(_Block(width, config.heads) for _ in range(config.layers))
+        self.blocks = nn.ModuleList(_Block(config) for _ in range(config.layers))
         self.out = nn.Linear(width, latent)
         self.register_buffer("mean", torch.zeros(latent) if mean is None else mean)
         self.register_buffer("deviation", torch.ones(latent) if deviation is None else deviation)
@@ -93,7 +93,8 @@ class Denoiser(nn.Module):
             + self.place(_waves(where, width))
         )
         goal = self.goal(known.goal) + self.foreign(known.foreign.long())
-        memory = torch.cat([self.scene(known.scene), goal[:, None]], dim=1)
+        scene = self.scene(known.scene[:, : self.config.scene_tokens])
+        memory = torch.cat([scene, goal[:, None]], dim=1)
         condition = self.time(_waves(time / self.config.steps, width)) + self.level(known.level)
         for block in self.blocks:
             tokens = block(tokens, memory, condition)
@@ -104,12 +105,12 @@ class Denoiser(nn.Module):
 class _Block(nn.Module):
     """Attention among subgoals, then to the scene, then a perceptron, each steered (AdaLN)."""
 
-    def __init__(self, width: int, heads: int) -> None:
+    def __init__(self, config: DiffusionConfig) -> None:
         super().__init__()
-        self.width = width
+        self.width = width = config.width
         self.steer = nn.Linear(width, 9 * width)
-        self.among = _Attention(width, heads)
-        self.around = _Attention(width, heads)
+        self.among = _Attention(width, width, config.heads)
+        self.around = _Attention(width, config.memory, config.heads)
         self.perceptron = nn.Sequential(
             nn.Linear(width, 4 * width), nn.SiLU(), nn.Linear(4 * width, width)
         )
@@ -129,11 +130,11 @@ class _Block(nn.Module):
 
 
 class _Attention(nn.Module):
-    def __init__(self, width: int, heads: int) -> None:
+    def __init__(self, width: int, memory: int, heads: int) -> None:
         super().__init__()
         self.heads = heads
         self.query = nn.Linear(width, width)
-        self.key_value = nn.Linear(width, 2 * width)
+        self.key_value = nn.Linear(memory, 2 * width)
         self.out = nn.Linear(width, width)
 
     def forward(self, tokens: Tensor, memory: Tensor) -> Tensor:

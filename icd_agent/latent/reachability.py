@@ -7,6 +7,7 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from icd_agent.latent.config import LatentConfig
+from icd_agent.scene_tokens import SURFACE
 
 
 class Reachability(nn.Module):
@@ -36,9 +37,10 @@ class Reachability(nn.Module):
         Args:
             first: (B, Z) latents of the earlier states.
             second: (B, Z) of the later ones.
-            scene: (B, A, F + 3) scene tokens in the frame of the earlier states.
+            scene: (B, A, F + 3) scene tokens in the frame of the earlier states; those on surfaces
+                are read.
         """
-        around = self.scene(scene).amax(dim=1)
+        around = self.scene(scene[:, :SURFACE]).amax(dim=1)
         inputs = torch.cat([first, second, second - first, around], dim=-1)
         logits: Tensor = self.head(inputs)
         return logits

@@ -18,6 +18,7 @@ from icd_agent.diffusion.config import DiffusionConfig
 from icd_agent.diffusion.denoiser import Denoiser
 from icd_agent.latent.config import LatentConfig
 from icd_agent.latent.model import LatentModel
+from icd_agent.scene_tokens import TOKENS
 from icd_agent.training.initial import initialise
 from icd_envs.api import Agent
 from icd_envs.errors import CheckpointError, EpisodeStateError, InvalidOptionError
@@ -26,7 +27,7 @@ from tests.envs.making import CABLE
 
 FEATURES = SMALL.descriptor
 LATENT = LatentConfig(FEATURES, FEATURES, 200, latent=8, groups=6, neighbours=4, width=16)
-DENOISER = DiffusionConfig(8, FEATURES, width=32, layers=1, heads=2)
+DENOISER = DiffusionConfig(8, FEATURES, TOKENS, width=32, layers=1, heads=2)
 
 
 def networks() -> Networks:
@@ -116,7 +117,7 @@ def test_networks_that_do_not_fit_one_another_are_refused() -> None:
     other = LatentConfig(FEATURES + 1, FEATURES, 200, latent=8)
     with pytest.raises(CheckpointError, match="9 features"):
         ICDAgent(fitting._replace(latent=LatentModel(other).eval()))
-    wider = DiffusionConfig(16, FEATURES, width=32, layers=1, heads=2)
+    wider = DiffusionConfig(16, FEATURES, TOKENS, width=32, layers=1, heads=2)
     with pytest.raises(CheckpointError, match="16 numbers"):
         ICDAgent(fitting._replace(diffusion=Denoiser(wider).eval()))
 

@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from icd_agent.scene_tokens import TOKENS, scene_tokens
+from icd_agent.field.space import exact_features
+from icd_agent.scene_tokens import HEIGHTS, REACH, SURFACE, TOKENS, scene_tokens
 from icd_envs.api import Float32Array
 from tests.agent.field.small import SMALL, small_data, small_field
 
@@ -39,14 +40,30 @@ def test_nothing_tells_where_in_the_world_a_scene_is(
 
 def test_the_object_is_ahead(scene: Float32Array) -> None:
     tokens = scene_tokens(small_field(), scene)
-    origin = tokens.places.mean(axis=0)
+    origin = tokens.places[:SURFACE].mean(axis=0)
     toward = tokens.places[5] - origin
     seen = tokens.seen_from(origin + 3.0 * toward, 0.2)
     np.testing.assert_allclose(seen[5, :2], [np.linalg.norm(toward[:2]) / 0.2, 0.0], atol=1e-4)
-    np.testing.assert_allclose(seen[:, :2].mean(axis=0), 0.0, atol=1e-5)
+    np.testing.assert_allclose(seen[:SURFACE, :2].mean(axis=0), 0.0, atol=1e-5)
 
 
 def test_an_object_right_above_the_scene_is_no_error(scene: Float32Array) -> None:
     tokens = scene_tokens(small_field(), scene)
-    seen = tokens.seen_from(tokens.places.mean(axis=0), 0.2)
+    seen = tokens.seen_from(tokens.places[:SURFACE].mean(axis=0), 0.2)
     assert np.isfinite(seen).all()
+
+
+def test_the_lattice_surrounds_the_fixtures_and_says_what_the_field_says(
+    scene: Float32Array,
+) -> None:
+    field = small_field()
+    tokens = scene_tokens(field, scene)
+    lattice, origin = tokens.places[SURFACE:], tokens.places[:SURFACE].mean(axis=0)
+    np.testing.assert_allclose(lattice[:, :2].mean(axis=0), origin[:2], atol=1e-5)
+    np.testing.assert_allclose(np.unique(lattice[:, 2].round(4)), HEIGHTS, atol=1e-4)
+    away = np.linalg.norm(lattice[:, :2] - origin[:2], axis=1)
+    assert away.max() == pytest.approx(REACH * np.sqrt(2), abs=1e-4)
+    floor = scene[:, 2].min()  # some of the cloud lies on it
+    asked = lattice + np.array([0.0, 0.0, floor], np.float32)
+    expected = exact_features(field, scene)(asked[None])[0] / field.config.length_scale
+    np.testing.assert_allclose(tokens.features[SURFACE:], expected, atol=1e-3)

@@ -25,7 +25,7 @@ from icd_envs.errors import InvalidOptionError
 from tests.agent.toy_states import CANONICAL, bar_at, toy_states
 
 LATENT = LatentConfig(3, 4, 12, latent=8, groups=6, neighbours=4, width=16, decoder_width=16)
-SMALL = DiffusionConfig(8, 4, width=48, layers=2, heads=2)
+SMALL = DiffusionConfig(8, 4, 2, width=48, layers=2, heads=2)
 
 
 class Networks(NamedTuple):
@@ -233,3 +233,21 @@ def test_wrong_settings_are_refused(config: type, wrong: dict[str, float]) -> No
     sizes = {"latent": 8, "scene_features": 4} if config is DiffusionConfig else {}
     with pytest.raises(InvalidOptionError, match=next(iter(wrong))):
         config(**{**sizes, **wrong})
+
+
+def test_only_the_first_scene_tokens_are_read(networks: Networks) -> None:
+    data = ChainData(toy_states(), torch.zeros(len(toy_states().step), 8), 0.2)
+    chains = data.draw(4, np.random.default_rng(0))
+    time = torch.zeros(4, dtype=torch.long)
+
+    def answer(scene: torch.Tensor) -> torch.Tensor:
+        with torch.no_grad():
+            found: torch.Tensor = networks.denoiser(
+                chains.clean, time, chains.known._replace(scene=scene)
+            )
+        return found
+
+    scene = chains.known.scene
+    more = torch.cat([scene, torch.full((4, 5, scene.shape[-1]), 3.0)], dim=1)
+    assert torch.equal(answer(more), answer(scene))
+    assert not torch.equal(answer(scene + 1.0), answer(scene))
