@@ -10,7 +10,7 @@ from scipy.stats import kendalltau
 from torch import Tensor
 
 from benchmarks.console import Values
-from benchmarks.held_out import held_out_states
+from benchmarks.held_out import describer, held_out, other_runs
 from icd_agent.diffusion.config import LONGEST, ChainConfig
 from icd_agent.diffusion.denoiser import Denoiser
 from icd_agent.diffusion.generate import Generator, Task
@@ -23,6 +23,8 @@ from icd_agent.weights import shipped_folder
 
 UNREACHABLE = 1e-3
 """[control steps] no pair is reachable within, so that every chain is refined to the end."""
+RUNS = 20
+"""Noisy experts per scene whose states are called possible."""
 
 
 def diagnose(
@@ -48,7 +50,9 @@ def diagnose(
         All distances are between latents divided by one number, so that they have unit variance,
         root mean square per number: ``nearest_state``, of generated subgoals to the nearest real
         state of their scene; ``step_distance``, between consecutive states of a real chain, to
-        compare it with;
+        compare it with; ``off_possible``, of generated subgoals to the nearest state of many other
+        noisy experts in the same scene, which tells whether they can be, beside
+        ``off_possible_real`` of real states and ``off_possible_line`` of a straight line;
         ``order``, Kendall's tau of the subgoals' places in the chain and the times of these
         states; ``endpoint_error``, of a last subgoal generated for a goal of another scene, to the
         last state of its own; ``goal_distance``, of that foreign goal itself; and mean squared
@@ -62,10 +66,16 @@ def diagnose(
     model = load_latent(shipped_folder(env_id, LATENT) if latent is None else latent)
     denoiser = load_diffusion(shipped_folder(env_id, DIFFUSION) if weights is None else weights)
     generator = Generator(denoiser, model, ChainConfig(reachable=UNREACHABLE))
-    states = held_out_states(env_id, scenes, seed=seed, field=field)
+    states, seeds, clouds = held_out(env_id, scenes, seed=seed, field=field)
     latents = encode_states(states, model)
     rng = np.random.default_rng([seed])
-    found = [_chain(states, latents, i, denoiser, generator, rng) for i in range(scenes)]
+    found = []
+    for i in range(scenes):
+        features = describer(env_id, field, clouds[i])(other_runs(env_id, seeds[i], RUNS))
+        with torch.no_grad():
+            canonical = torch.from_numpy(states.canonical)
+            possible = model.encode(torch.from_numpy(features.astype(np.float32)), canonical)
+        found.append(_chain(states, latents, possible, i, denoiser, generator, rng))
     return {
         "scenes": scenes,
         **{name: float(np.mean([each[name] for each in found])) for name in found[0]},
@@ -75,6 +85,7 @@ def diagnose(
 def _chain(
     states: States,
     latents: Tensor,
+    possible: Tensor,
     i: int,
     denoiser: Denoiser,
     generator: Generator,
@@ -100,11 +111,20 @@ def _chain(
     true = real[torch.from_numpy(places)]
     share = torch.linspace(0.0, 1.0, LONGEST)[:, None]
     line = true[0] + share * (true[-1] - true[0])
+    others = normal(possible)
+
+    def off(subgoals: Tensor) -> float:
+        between = subgoals[1:-1]
+        return float((between[:, None] - others[None]).square().mean(-1).sqrt().amin(dim=1).mean())
+
     apart = (chain[:, None] - real[None]).square().mean(-1).sqrt()
     goal = normal(latents[states.first[other + 1] - 1])
     return {
         "nearest_state": float(apart.amin(dim=1)[1:-1].mean()),
         "step_distance": float((true[1:] - true[:-1]).square().mean(-1).sqrt().mean()),
+        "off_possible": off(chain),
+        "off_possible_real": off(true),
+        "off_possible_line": off(line),
         "order": float(kendalltau(np.arange(LONGEST), apart.argmin(dim=1).numpy()).statistic),
         "endpoint_error": float((foreign[-1] - real[-1]).square().mean().sqrt()),
         "goal_distance": float((goal - real[-1]).square().mean().sqrt()),

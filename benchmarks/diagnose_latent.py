@@ -9,7 +9,7 @@ import torch
 from scipy.stats import spearmanr
 
 from benchmarks.console import Values
-from benchmarks.held_out import held_out_states
+from benchmarks.held_out import held_out
 from icd_agent.diffusion.train import encode_states
 from icd_agent.latent.model import LatentModel
 from icd_agent.latent.pairs import draw_pairs
@@ -48,7 +48,7 @@ def diagnose(
         IcdError: unknown environment, missing or damaged weights.
     """
     model = load_latent(shipped_folder(env_id, KIND) if weights is None else weights)
-    states = held_out_states(env_id, scenes, seed=seed, field=field)
+    states = held_out(env_id, scenes, seed=seed, field=field).states
     latents = encode_states(states, model)
     return {
         "scenes": scenes,

@@ -4,19 +4,45 @@ from __future__ import annotations
 
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Final, NamedTuple
+
+import numpy as np
 
 from benchmarks.collect import collect
 from benchmarks.described import describe
 from benchmarks.executors import InProcess
-from icd_agent.states import States
+from icd_agent.chain import Features
+from icd_agent.field.space import exact_features
+from icd_agent.field.train import KIND, load_field
+from icd_agent.states import EVERY, States
+from icd_agent.weights import shipped_folder
 from icd_envs import ENV_IDS
-from icd_envs.demonstrations import find_task
+from icd_envs.api import Float32Array
+from icd_envs.demonstrations import Demonstrations, find_task
 from icd_envs.demonstrations.header import Header
 from icd_envs.errors import InvalidOptionError, unknown_name
+from icd_envs.tasks.base import run_expert
+from icd_envs.tasks.problem import Split, scene_rng
+
+SPLIT: Final[Split] = "test"
 
 
-def held_out_states(env_id: str, scenes: int, *, seed: int, field: Path | None) -> States:
-    """Record the noisy expert in test scenes, and describe every fifth state.
+class HeldOut(NamedTuple):
+    """Episodes in test scenes.
+
+    Attributes:
+        states: every fifth, described, in memory.
+        seeds: (E,) of the scenes.
+        scenes: (E, M, 3) [m] their clouds.
+    """
+
+    states: States
+    seeds: list[int]
+    scenes: list[Float32Array]
+
+
+def held_out(env_id: str, scenes: int, *, seed: int, field: Path | None) -> HeldOut:
+    """Record the noisy expert in test scenes, and describe its states.
 
     Args:
         env_id: which task.
@@ -24,18 +50,50 @@ def held_out_states(env_id: str, scenes: int, *, seed: int, field: Path | None) 
         seed: of the scenes.
         field: folder of the field; None is the package's.
 
-    Returns:
-        The states, in memory.
-
     Raises:
         IcdError: unknown environment, missing or damaged weights.
     """
     if env_id not in ENV_IDS:
         raise InvalidOptionError(unknown_name("environment id", env_id, ENV_IDS))
     steps = find_task(env_id).max_steps
-    header = Header(env_id=env_id, split="test", seed=seed, steps=steps, episodes=scenes)
+    header = Header(env_id=env_id, split=SPLIT, seed=seed, steps=steps, episodes=scenes)
     with TemporaryDirectory() as folder:
         data = Path(folder) / "test"
         collect(header, data, InProcess())
         states = describe(env_id, data, field, scenes).states
-        return states._replace(features=states.features[:].copy())
+        recorded = Demonstrations(data)
+        return HeldOut(
+            states._replace(features=states.features[:].copy()),
+            [int(each) for each in recorded.seeds],
+            [recorded.scene(i).cloud for i in range(scenes)],
+        )
+
+
+def describer(env_id: str, field: Path | None, scene: Float32Array) -> Features:
+    """What describes object clouds in a scene.
+
+    Args:
+        env_id: which task.
+        field: folder of the field; None is the package's.
+        scene: (M, 3) [m].
+    """
+    return exact_features(
+        load_field(shipped_folder(env_id, KIND) if field is None else field), scene
+    )
+
+
+def other_runs(env_id: str, seed: int, runs: int) -> Float32Array:
+    """What else can happen in a test scene: (S, N, 3) [m] every fifth state of noisy experts.
+
+    Args:
+        env_id: which task.
+        seed: of the scene.
+        runs: how many episodes, with other experts than the recorded one.
+    """
+    task = find_task(env_id)
+    scene = task.draw_scenes(scene_rng(SPLIT, seed)).scene
+    clouds = []
+    for run in range(runs):
+        expert = task.make_expert(scene, np.random.default_rng([seed, run]), noisy=True)
+        clouds.append(run_expert(task, scene, task.make_plant(scene), expert).points[::EVERY])
+    return np.concatenate(clouds)

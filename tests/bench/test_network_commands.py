@@ -193,6 +193,8 @@ def test_chains_are_diagnosed_in_unseen_scenes(weights: Path, trained: Trained) 
     assert values["chain_mse"] > 0
     assert values["line_mse"] > 0
     assert values["goal_distance"] > 0
+    assert 0 < values["off_possible_real"] < values["off_possible"]  # two steps teach nothing
+    assert values["off_possible_line"] > 0
     assert -1 <= values["order"] <= 1
 
 
