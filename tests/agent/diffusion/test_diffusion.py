@@ -230,7 +230,9 @@ def test_a_killed_run_goes_on_to_the_same_weights(networks: Networks, tmp_path: 
     ],
 )
 def test_wrong_settings_are_refused(config: type, wrong: dict[str, float]) -> None:
-    sizes = {"latent": 8, "scene_features": 4} if config is DiffusionConfig else {}
+    sizes = (
+        {"latent": 8, "scene_features": 4, "scene_tokens": 2} if config is DiffusionConfig else {}
+    )
     with pytest.raises(InvalidOptionError, match=next(iter(wrong))):
         config(**{**sizes, **wrong})
 
