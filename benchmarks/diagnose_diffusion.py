@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import torch
@@ -10,16 +11,24 @@ from scipy.stats import kendalltau
 from torch import Tensor
 
 from benchmarks.console import Values
-from benchmarks.held_out import describer, held_out, other_runs
+from benchmarks.held_out import held_out, other_runs
 from icd_agent.diffusion.config import LONGEST, ChainConfig
 from icd_agent.diffusion.denoiser import Denoiser
-from icd_agent.diffusion.generate import Generator, Task
+from icd_agent.diffusion.generate import Generated, Generator, Task
 from icd_agent.diffusion.train import KIND as DIFFUSION
 from icd_agent.diffusion.train import encode_states, load_diffusion
+from icd_agent.encoded import encode
+from icd_agent.field.field import SceneField
+from icd_agent.field.space import exact_features
+from icd_agent.field.train import KIND as FIELD
+from icd_agent.field.train import load_field
+from icd_agent.latent.model import LatentModel
 from icd_agent.latent.train import KIND as LATENT
 from icd_agent.latent.train import load_latent
+from icd_agent.scene_tokens import Frame
 from icd_agent.states import States
 from icd_agent.weights import shipped_folder
+from icd_envs.api import Float32Array, FloatArray
 
 UNREACHABLE = 1e-3
 """[control steps] no pair is reachable within, so that every chain is refined to the end."""
@@ -52,7 +61,8 @@ def diagnose(
         state of their scene; ``step_distance``, between consecutive states of a real chain, to
         compare it with; ``off_possible``, of generated subgoals to the nearest state of many other
         noisy experts in the same scene, which tells whether they can be, beside
-        ``off_possible_real`` of real states and ``off_possible_line`` of a straight line;
+        ``off_possible_asked`` of what the field says at their places, ``off_possible_real`` of real
+        states and ``off_possible_line`` of a straight line;
         ``order``, Kendall's tau of the subgoals' places in the chain and the times of these
         states; ``endpoint_error``, of a last subgoal generated for a goal of another scene, to the
         last state of its own; ``goal_distance``, of that foreign goal itself; and mean squared
@@ -63,6 +73,7 @@ def diagnose(
     Raises:
         IcdError: unknown environment, missing or damaged weights.
     """
+    field = shipped_folder(env_id, FIELD) if field is None else field
     model = load_latent(shipped_folder(env_id, LATENT) if latent is None else latent)
     denoiser = load_diffusion(shipped_folder(env_id, DIFFUSION) if weights is None else weights)
     generator = Generator(denoiser, model, ChainConfig(reachable=UNREACHABLE))
@@ -71,42 +82,71 @@ def diagnose(
     rng = np.random.default_rng([seed])
     found = []
     for i in range(scenes):
-        features = describer(env_id, field, clouds[i])(other_runs(env_id, seeds[i], RUNS))
-        with torch.no_grad():
-            canonical = torch.from_numpy(states.canonical)
-            possible = model.encode(torch.from_numpy(features.astype(np.float32)), canonical)
-        found.append(_chain(states, latents, possible, i, denoiser, generator, rng))
+        describe = _Describe(load_field(field), model, clouds[i], states.canonical)
+        possible = describe(other_runs(env_id, seeds[i], RUNS))
+        found.append(_chain(states, latents, possible, describe, i, denoiser, generator, rng))
     return {
         "scenes": scenes,
         **{name: float(np.mean([each[name] for each in found])) for name in found[0]},
     }
 
 
+class _Describe(NamedTuple):
+    """Clouds in one scene -> latents."""
+
+    field: SceneField
+    model: LatentModel
+    scene: Float32Array
+    canonical: Float32Array
+
+    def __call__(self, clouds: FloatArray) -> Tensor:
+        features = exact_features(self.field, self.scene)(clouds)
+        return encode(self.model, features, self.canonical)
+
+
 def _chain(
     states: States,
     latents: Tensor,
     possible: Tensor,
+    describe: _Describe,
     i: int,
     denoiser: Denoiser,
     generator: Generator,
     rng: np.random.Generator,
 ) -> dict[str, float]:
+    code = denoiser.code
+
     def normal(values: Tensor) -> Tensor:
-        return (values - denoiser.mean) / denoiser.deviation.square().mean().sqrt()
+        latent = code.latent
+        return (values - code.mean[:latent]) / code.deviation[:latent].square().mean().sqrt()
 
     first, end = states.first[i : i + 2]
     other = (i + 1) % (len(states.first) - 1)
     real = normal(latents[first:end])
     size = denoiser.config.scene_size
 
-    def generate(scene_of: int, goal_of: int) -> Tensor:
-        foreign = goal_of != i
-        goal = latents[states.first[goal_of + 1] - 1]
-        tokens = torch.from_numpy(states.seen_from(states.first[[scene_of]], size)[0])
-        task = Task(latents[first], goal, foreign, tokens)
-        return normal(generator.generate(task, rng).latents)
+    frames = states.frame(states.first[i : i + 1])
+    frame = Frame(frames.origin[0], frames.along[0])
 
-    chain, foreign, elsewhere = generate(i, i), generate(i, other), generate(other, i)
+    def placed(row: int) -> Tensor:
+        return torch.from_numpy(frame.place(states.clouds[row]).astype(np.float32))
+
+    def generate(scene_of: int, goal_of: int) -> Generated:
+        foreign = goal_of != i
+        last = states.first[goal_of + 1] - 1
+        tokens = torch.from_numpy(states.seen_from(states.first[[scene_of]], size)[0])
+        task = Task(
+            code.join(latents[first], placed(first)),
+            code.join(latents[last], None if foreign else placed(last)),
+            foreign,
+            tokens,
+        )
+        return generator.generate(task, rng)
+
+    made, elsewhere = generate(i, i), normal(generate(other, i).latents)
+    assert made.clouds is not None
+    chain, foreign = normal(made.latents), normal(generate(i, other).latents)
+    asked = normal(describe(frame.back(made.clouds.numpy())))
     places = np.rint(np.linspace(0, len(real) - 1, LONGEST)).astype(np.int64)
     true = real[torch.from_numpy(places)]
     share = torch.linspace(0.0, 1.0, LONGEST)[:, None]
@@ -123,6 +163,7 @@ def _chain(
         "nearest_state": float(apart.amin(dim=1)[1:-1].mean()),
         "step_distance": float((true[1:] - true[:-1]).square().mean(-1).sqrt().mean()),
         "off_possible": off(chain),
+        "off_possible_asked": off(asked),
         "off_possible_real": off(true),
         "off_possible_line": off(line),
         "order": float(kendalltau(np.arange(LONGEST), apart.argmin(dim=1).numpy()).statistic),

@@ -11,11 +11,7 @@ import numpy as np
 from benchmarks.collect import collect
 from benchmarks.described import describe
 from benchmarks.executors import InProcess
-from icd_agent.chain import Features
-from icd_agent.field.space import exact_features
-from icd_agent.field.train import KIND, load_field
 from icd_agent.states import EVERY, States
-from icd_agent.weights import shipped_folder
 from icd_envs import ENV_IDS
 from icd_envs.api import Float32Array
 from icd_envs.demonstrations import Demonstrations, find_task
@@ -67,19 +63,6 @@ def held_out(env_id: str, scenes: int, *, seed: int, field: Path | None) -> Held
             [int(each) for each in recorded.seeds],
             [recorded.scene(i).cloud for i in range(scenes)],
         )
-
-
-def describer(env_id: str, field: Path | None, scene: Float32Array) -> Features:
-    """What describes object clouds in a scene.
-
-    Args:
-        env_id: which task.
-        field: folder of the field; None is the package's.
-        scene: (M, 3) [m].
-    """
-    return exact_features(
-        load_field(shipped_folder(env_id, KIND) if field is None else field), scene
-    )
 
 
 def other_runs(env_id: str, seed: int, runs: int) -> Float32Array:

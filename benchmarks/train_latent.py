@@ -95,7 +95,8 @@ def diffusion(
     network = load_latent(folder)
     states, about = describe(env_id, data, field, episodes)
     tokens, scene_features = states.tokens.features.shape[1:]
-    config = DiffusionConfig(network.config.latent, scene_features, tokens)
+    points = network.config.points
+    config = DiffusionConfig(network.config.latent, scene_features, points, tokens)
     settings = TrainingConfig(steps=steps, learning_rate=1e-3, seed=seed)
     about = {**about, "latent": weights_sha256(folder)}
     with training(f"chains of {env_id}", steps) as seen:

@@ -50,7 +50,7 @@ _CLOSELY: Final = TrackerConfig(
 PRESETS: Final = {
     "paper": Preset(
         "adaptive",
-        ChainConfig(chains=1, inpaint_goal=True, keep_shorter=False),
+        ChainConfig(chains=1, ask_field=False, inpaint_goal=True, keep_shorter=False),
         TrackerConfig(replan_every=20),
     ),
     "improved": Preset("improved", ChainConfig(), _CLOSELY),

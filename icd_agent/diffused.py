@@ -9,18 +9,20 @@ import torch
 from torch import Tensor
 
 from icd_agent.chain import Placed, Subgoals
+from icd_agent.diffusion.code import SubgoalCode
 from icd_agent.diffusion.config import ChainConfig
 from icd_agent.diffusion.generate import Generated, Task
 from icd_agent.encoded import decode, encode
 from icd_agent.field.field import SceneField
 from icd_agent.latent.model import LatentModel
-from icd_agent.scene_tokens import scene_tokens
+from icd_agent.scene_tokens import Frame, SceneTokens, scene_tokens
 from icd_envs.api import Episode, FloatArray, Observation
 
 
 class ChainGenerator(Protocol):
     """What finds chains of latents: ``Generator``, or one that looks them up."""
 
+    code: SubgoalCode
     config: ChainConfig
 
     def generate(self, task: Task, rng: np.random.Generator) -> Generated:
@@ -36,6 +38,7 @@ class _Asked(NamedTuple):
     """A question, its answer, and what is needed to decode it."""
 
     task: Task
+    frame: Frame
     found: Generated
     goal: FloatArray
     canonical: FloatArray
@@ -63,7 +66,7 @@ class DiffusedSource:
         self, episode: Episode, observation: Observation, space: Placed, rng: np.random.Generator
     ) -> Subgoals:
         """Generate subgoals from now to the goal; now itself is not one of them."""
-        return self._decode(self._generate(episode, observation, space, rng))
+        return self._decode(self._generate(episode, observation, space, rng), space)
 
     def again(
         self,
@@ -81,37 +84,45 @@ class DiffusedSource:
         asked = self._generate(episode, observation, space, rng)
         if self._generator.config.keep_shorter and index is not None:
             ahead = self._last.found.latents[index + 1 :]
-            left = torch.cat([asked.task.now[None], ahead])
+            left = torch.cat([asked.found.latents[:1], ahead])
             steps = self._generator.steps(left[None], asked.task.scene)
             if float(steps.sum()) <= float(asked.found.steps.sum()):
                 return None
-        return self._decode(asked)
+        return self._decode(asked, space)
 
     def _generate(
         self, episode: Episode, observation: Observation, space: Placed, rng: np.random.Generator
     ) -> _Asked:
         canonical = episode.canonical_cloud
-        goal = space.goal(observation["desired_goal"])
-        ends = np.stack([space.here(observation["achieved_goal"]), goal])
-        now, wanted = encode(self._latent, ends, canonical)
+        now, wanted = observation["achieved_goal"], observation["desired_goal"]
+        goal = space.goal(wanted)
+        latents = encode(self._latent, np.stack([space.here(now), goal]), canonical)
+        foreign = not np.array_equal(observation["scene"], observation["goal_scene"])
+        tokens, middle = self._tokens(observation), now.mean(axis=0)
+        frame = tokens.frame(middle)
+        placed = torch.from_numpy(frame.place(np.stack([now, wanted])).astype(np.float32))
+        code = self._generator.code
         task = Task(
-            now=now,
-            goal=wanted,
-            foreign=not np.array_equal(observation["scene"], observation["goal_scene"]),
-            scene=self._tokens(observation),
+            now=code.join(latents[0], placed[0]),
+            goal=code.join(latents[1], None if foreign else placed[1]),
+            foreign=foreign,
+            scene=torch.from_numpy(tokens.seen_from(middle, self._latent.config.scene_size)),
         )
-        return _Asked(task, self._generator.generate(task, rng), goal, canonical)
+        return _Asked(task, frame, self._generator.generate(task, rng), goal, canonical)
 
-    def _decode(self, asked: _Asked) -> Subgoals:
-        features = decode(self._latent, asked.found.latents, asked.canonical)
-        if not asked.task.foreign or self._generator.config.inpaint_goal:
-            features[-1] = asked.goal  # better known than the autoencoder can say
+    def _decode(self, asked: _Asked, space: Placed) -> Subgoals:
+        found, config = asked.found, self._generator.config
+        clouds = None if found.clouds is None else asked.frame.back(found.clouds.numpy())
+        if clouds is None or not config.ask_field:
+            features = decode(self._latent, found.latents, asked.canonical)
+        else:
+            features = space.here(clouds.astype(np.float32))
+        if not asked.task.foreign or config.inpaint_goal:
+            features[-1] = asked.goal  # better known than can be generated
         self._last = asked
-        return Subgoals(features[1:], begin=features[0])
+        return Subgoals(features[1:], None if clouds is None else clouds[1:], features[0])
 
-    def _tokens(self, observation: Observation) -> Tensor:
+    def _tokens(self, observation: Observation) -> SceneTokens:
         mask = observation.get("scene_mask")
         scene = observation["scene"]
-        seen = scene if mask is None else scene[np.asarray(mask) > 0]
-        middle, size = observation["achieved_goal"].mean(axis=0), self._latent.config.scene_size
-        return torch.from_numpy(scene_tokens(self._field, seen).seen_from(middle, size))
+        return scene_tokens(self._field, scene if mask is None else scene[np.asarray(mask) > 0])

@@ -11,7 +11,7 @@ from torch import Tensor
 from icd_agent.field.encoder import find_fixtures
 from icd_agent.field.field import SceneField
 from icd_agent.field.neighbours import gather, spread
-from icd_envs.api import Float32Array, FloatArray
+from icd_envs.api import Float32Array, Float64Array, FloatArray
 
 SURFACE: Final = 48
 """Tokens on surfaces of fixtures; they come first."""
@@ -27,6 +27,34 @@ SMALLEST: Final = 1e-3
 """[m] an object whose middle is closer than this to that of the scene is in no direction."""
 
 
+class Frame(NamedTuple):
+    """A frame that turns and moves with scene and object; heights stay as they are.
+
+    Attributes:
+        origin: (..., 2) [m].
+        along: (..., 2) first axis.
+    """
+
+    origin: FloatArray
+    along: FloatArray
+
+    def place(self, points: FloatArray) -> Float64Array:
+        """World (..., N, 3) [m] -> this frame."""
+        x, y = self._axes()
+        about = points[..., :2] - self.origin[..., None, :]
+        return np.stack([(about * x).sum(-1), (about * y).sum(-1), points[..., 2]], axis=-1)
+
+    def back(self, points: FloatArray) -> Float64Array:
+        """This frame (..., N, 3) [m] -> world."""
+        x, y = self._axes()
+        flat = self.origin[..., None, :] + points[..., :1] * x + points[..., 1:2] * y
+        return np.concatenate([flat, points[..., 2:]], axis=-1)
+
+    def _axes(self) -> tuple[FloatArray, FloatArray]:
+        across = np.stack([-self.along[..., 1], self.along[..., 0]], axis=-1)
+        return self.along[..., None, :], across[..., None, :]
+
+
 class SceneTokens(NamedTuple):
     """E_s(P_s) of the paper: one feature per point, of one scene or of many (leading axes).
 
@@ -39,11 +67,20 @@ class SceneTokens(NamedTuple):
     places: Float32Array
     features: Float32Array
 
-    def seen_from(self, middle: FloatArray, size: float) -> Float32Array:
-        """The tokens in a frame that turns and moves with scene and object.
+    def frame(self, middle: FloatArray) -> Frame:
+        """Its origin is the middle of the fixtures' tokens, its first axis points to the object.
 
-        Its origin is on the floor under the middle of the fixtures' tokens, its first axis points
-        towards the object. So a network that reads them cannot know where in the world it is.
+        Args:
+            middle: (..., 3) [m] mean of the object's points.
+        """
+        origin = self.places[..., :SURFACE, :2].mean(axis=-2)
+        toward = np.asarray(middle)[..., :2] - origin
+        length = np.linalg.norm(toward, axis=-1, keepdims=True)
+        along = np.where(length > SMALLEST, toward / np.maximum(length, SMALLEST), (1.0, 0.0))
+        return Frame(origin, along)
+
+    def seen_from(self, middle: FloatArray, size: float) -> Float32Array:
+        """The tokens in that frame: a network cannot know where in the world it is.
 
         Args:
             middle: (..., 3) [m] mean of the object's points.
@@ -52,14 +89,7 @@ class SceneTokens(NamedTuple):
         Returns:
             (..., A, 3 + D) float32.
         """
-        origin = self.places[..., :SURFACE, :2].mean(axis=-2)
-        toward = np.asarray(middle)[..., :2] - origin
-        length = np.linalg.norm(toward, axis=-1, keepdims=True)
-        along = np.where(length > SMALLEST, toward / np.maximum(length, SMALLEST), (1.0, 0.0))
-        across = np.stack([-along[..., 1], along[..., 0]], axis=-1)
-        about = self.places[..., :2] - origin[..., None, :]
-        turned = [(about * axis[..., None, :]).sum(-1) for axis in (along, across)]
-        placed = np.stack([*turned, self.places[..., 2]], axis=-1) / size
+        placed = self.frame(middle).place(self.places) / size
         return np.concatenate([placed, self.features], axis=-1).astype(np.float32)
 
 

@@ -14,7 +14,7 @@ from numpy.lib.format import open_memmap
 from numpy.typing import NDArray
 
 from icd_agent.chain import Features
-from icd_agent.scene_tokens import TOKENS, SceneTokens
+from icd_agent.scene_tokens import TOKENS, Frame, SceneTokens
 from icd_envs.api import BoolArray, Float32Array
 from icd_envs.demonstrations import Demonstrations
 from icd_envs.errors import DemonstrationsError
@@ -24,7 +24,7 @@ EVERY: Final = 5
 SAVE_EVERY: Final = 50
 """Episodes between states that a killed call can go on from."""
 PROGRESS: Final = "states.json"
-KEPT: Final = ("features", "middle", "places", "scene")
+KEPT: Final = ("features", "clouds", "places", "scene")
 
 Describe = Callable[[Float32Array], tuple[Features, SceneTokens]]
 """Makes the features and the tokens of a scene from its cloud (M, 3) [m]."""
@@ -35,7 +35,8 @@ class States(NamedTuple):
 
     Attributes:
         features: (S, N, D) float16 of the cost space, on disk.
-        middle: (S, 3) float32 [m] mean of the object's points.
+        clouds: (S, N, 3) float32 [m] the object, on disk.
+        middle: (S, 3) float32 [m] mean of its points.
         step: (S,) control step of each state.
         episode: (S,) index of its episode.
         solved: (S, F) bool, parts of the task that are done.
@@ -46,6 +47,7 @@ class States(NamedTuple):
     """
 
     features: NDArray[np.float16]
+    clouds: Float32Array
     middle: Float32Array
     step: NDArray[np.int64]
     episode: NDArray[np.int64]
@@ -54,6 +56,17 @@ class States(NamedTuple):
     success: BoolArray
     tokens: SceneTokens
     canonical: Float32Array
+
+    def draw(self, count: int, rng: np.random.Generator) -> NDArray[np.int64]:
+        """Rows of so many states, or of all, in order."""
+        count = min(count, len(self.step))
+        return np.sort(rng.choice(len(self.step), count, replace=False))
+
+    def frame(self, rows: NDArray[np.int64]) -> Frame:
+        """Frames in which scene and object are seen from these states (B,)."""
+        where = self.episode[rows]
+        tokens = SceneTokens(self.tokens.places[where], self.tokens.features[where])
+        return tokens.frame(self.middle[rows])
 
     def seen_from(self, rows: NDArray[np.int64], size: float) -> Float32Array:
         """Scene tokens of these states (B,), in frames given by them: (B, A, 3 + D).
@@ -100,6 +113,7 @@ def describe_states(
         "poses": poses,
         "every": EVERY,
         "tokens": TOKENS,
+        "kept": list(KEPT),
     }
     folder.mkdir(parents=True, exist_ok=True)
     done = _progress(folder, identity)
@@ -111,7 +125,7 @@ def describe_states(
         if not arrays:
             shapes = {
                 "features": (np.float16, (int(first[-1]), *found.shape[1:])),
-                "middle": (np.float32, (int(first[-1]), 3)),
+                "clouds": (np.float32, (int(first[-1]), *clouds.shape[1:])),
                 "places": (np.float32, (count, *tokens.places.shape)),
                 "scene": (np.float32, (count, *tokens.features.shape)),
             }
@@ -120,7 +134,7 @@ def describe_states(
                 for name, (kind, size) in shapes.items()
             }
         arrays["features"][first[i] : first[i + 1]] = found
-        arrays["middle"][first[i] : first[i + 1]] = clouds.mean(axis=1)
+        arrays["clouds"][first[i] : first[i + 1]] = clouds
         arrays["places"][i], arrays["scene"][i] = tokens
         if (i + 1) % SAVE_EVERY == 0 or i + 1 == count:
             for array in arrays.values():
@@ -131,7 +145,8 @@ def describe_states(
     steps = np.concatenate([each - demonstrations.first_state[i] for i, each in enumerate(rows)])
     return States(
         features=kept["features"],
-        middle=np.array(kept["middle"]),
+        clouds=kept["clouds"],
+        middle=np.concatenate([part.mean(axis=1) for part in np.array_split(kept["clouds"], 100)]),
         step=steps,
         episode=np.repeat(np.arange(count), np.diff(first)),
         solved=demonstrations.solved[nodes],

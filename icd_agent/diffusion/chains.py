@@ -1,4 +1,4 @@
-"""Training chains: latents of one episode at equal distances, and what is told of them."""
+"""Training chains: states of one episode at equal distances, and what is told of them."""
 
 from __future__ import annotations
 
@@ -9,8 +9,10 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from icd_agent.diffusion.code import SubgoalCode
 from icd_agent.diffusion.config import LEVELS
 from icd_agent.diffusion.denoiser import COARSE, GIVEN, UNKNOWN, Known
+from icd_agent.scene_tokens import Frame
 from icd_agent.states import States
 
 FROM_START: Final = 0.4
@@ -28,7 +30,7 @@ class Chains(NamedTuple):
     """A batch of one level.
 
     Attributes:
-        clean: (B, L, Z) normalised latents.
+        clean: (B, L, V) coded subgoals.
         known: what is told of them.
     """
 
@@ -37,18 +39,22 @@ class Chains(NamedTuple):
 
 
 class ChainData:
-    """Latents of recorded states, and random chains of them."""
+    """Recorded states as subgoals, and random chains of them."""
 
-    def __init__(self, states: States, latents: Tensor, scene_size: float) -> None:
+    def __init__(
+        self, states: States, latents: Tensor, code: SubgoalCode, scene_size: float
+    ) -> None:
         """Keep them.
 
         Args:
             states: of recorded episodes.
-            latents: (S, Z) of these states, normalised.
+            latents: (S, Z) of these states.
+            code: of subgoals.
             scene_size: [m] unit of the scene tokens' places.
         """
         self._states = states
         self._latents = latents
+        self._code = code
         self._scene_size = scene_size
         self._alike = _rows_alike(states)
 
@@ -62,8 +68,11 @@ class ChainData:
         """
         level = int(rng.integers(1, LEVELS + 1))
         rows = self._rows(level, count, rng)
-        clean = self._latents[torch.from_numpy(rows)]
+        clean = self._code.join(self._latents[torch.from_numpy(rows)], self._clouds(rows))
         goal, foreign = self._goals(rows[:, -1], rng)
+        told = self._code.join(self._latents[torch.from_numpy(goal)], None)
+        own = torch.from_numpy(~foreign)
+        told[own] = clean[own, -1]
         kinds = np.where(np.arange(2**level + 1) % 2 == 0, COARSE, UNKNOWN)
         kinds = np.tile(kinds, (count, 1))
         kinds[:, 0] = GIVEN
@@ -74,12 +83,18 @@ class ChainData:
         known = Known(
             shown,
             torch.from_numpy(kinds),
-            self._latents[torch.from_numpy(goal)],
+            told,
             torch.from_numpy(foreign),
             torch.from_numpy(self._states.seen_from(rows[:, 0], self._scene_size)),
             torch.full((count,), level),
         )
         return Chains(clean.to(device), Known(*(each.to(device) for each in known)))
+
+    def _clouds(self, rows: NDArray[np.int64]) -> Tensor:
+        """(B, L, N, 3) [m] of states (B, L), in the frames of the first ones."""
+        frame = self._states.frame(rows[:, 0])
+        frames = Frame(frame.origin[:, None], frame.along[:, None])
+        return torch.from_numpy(frames.place(self._states.clouds[rows]).astype(np.float32))
 
     def _rows(self, level: int, count: int, rng: np.random.Generator) -> NDArray[np.int64]:
         """(B, 2^level + 1) rows of states at equal distances, at least one apart."""

@@ -19,7 +19,9 @@ class DiffusionConfig:
     Attributes:
         latent: Z.
         scene_features: numbers per scene token, its place left out.
+        points: N, of the object.
         scene_tokens: how many of a scene's tokens are read: the first ones.
+        places: Q, numbers by which a cloud of these points is generated.
         memory: numbers by which a scene token and the goal enter the attention.
         width: of the Transformer.
         layers: of the Transformer.
@@ -30,13 +32,20 @@ class DiffusionConfig:
 
     latent: int
     scene_features: int
+    points: int
     scene_tokens: int
+    places: int = 16
     memory: int = 64
     width: int = 192
     layers: int = 4
     heads: int = 4
     steps: int = 100
     scene_size: float = 0.2
+
+    @property
+    def numbers(self) -> int:
+        """Of a subgoal: Z + Q."""
+        return self.latent + self.places
 
     def __post_init__(self) -> None:
         """Refuse values out of range.
@@ -62,6 +71,8 @@ class ChainConfig:
         denoising_steps: of DDIM, per level.
         reachable: [control steps] a chain is refined while any pair is predicted to be farther
             apart.
+        ask_field: descriptors of a subgoal are those that the field has at its generated places;
+            otherwise they are decoded from its latent (the paper).
         inpaint_goal: the last subgoal is the goal as it was given (the paper). Otherwise it is
             generated for the present scene whenever the goal was specified in another.
         keep_shorter: asked again, keep what is left of the last chain unless the new one is
@@ -71,6 +82,7 @@ class ChainConfig:
     chains: int = 8
     denoising_steps: int = 12
     reachable: float = 15.0
+    ask_field: bool = True
     inpaint_goal: bool = False
     keep_shorter: bool = True
 

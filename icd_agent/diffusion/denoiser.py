@@ -9,6 +9,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
+from icd_agent.diffusion.code import SubgoalCode
 from icd_agent.diffusion.config import LEVELS, DiffusionConfig
 
 UNKNOWN: Final = 0
@@ -23,15 +24,15 @@ class Known(NamedTuple):
     """What is known of a chain before it is denoised.
 
     Attributes:
-        latents: (B, L, Z) normalised; zero where nothing is known.
+        subgoals: (B, L, V) coded; zero where nothing is known.
         kinds: (B, L) ``UNKNOWN``, ``COARSE`` or ``GIVEN``.
-        goal: (B, Z) the goal, normalised.
+        goal: (B, V) the goal, coded.
         foreign: (B,) bool, the goal was specified in another scene.
         scene: (B, A, 3 + F) scene tokens seen from now.
         level: (B,) 1 to ``LEVELS``.
     """
 
-    latents: Tensor
+    subgoals: Tensor
     kinds: Tensor
     goal: Tensor
     foreign: Tensor
@@ -40,47 +41,37 @@ class Known(NamedTuple):
 
 
 class Denoiser(nn.Module):
-    """Predicts the clean latents of a chain; latents are normalised by what training states show.
+    """Predicts the clean subgoals of a chain, as its code has them.
 
     Attributes:
-        mean: (Z,) of the latents of training states.
-        deviation: (Z,) their standard deviations.
+        code: of subgoals, V = Z + Q numbers.
     """
 
-    mean: Tensor
-    deviation: Tensor
-
-    def __init__(
-        self,
-        config: DiffusionConfig,
-        mean: Tensor | None = None,
-        deviation: Tensor | None = None,
-    ) -> None:
-        """Build the layers; ``mean`` and ``deviation`` are None while weights are loaded."""
+    def __init__(self, config: DiffusionConfig, code: SubgoalCode | None = None) -> None:
+        """Build the layers; ``code`` is None while weights are loaded."""
         super().__init__()
         self.config = config
-        width, latent = config.width, config.latent
-        self.noisy = nn.Linear(latent, width)
-        self.known = nn.Linear(latent, width)
+        self.code = SubgoalCode(config) if code is None else code
+        width, numbers = config.width, config.numbers
+        self.noisy = nn.Linear(numbers, width)
+        self.known = nn.Linear(numbers, width)
         self.kind = nn.Embedding(3, width)
         self.place = nn.Linear(width, width)
         self.scene = nn.Sequential(
             nn.Linear(config.scene_features + 3, width), nn.SiLU(), nn.Linear(width, config.memory)
         )
-        self.goal = nn.Linear(latent, config.memory)
+        self.goal = nn.Linear(numbers, config.memory)
         self.foreign = nn.Embedding(2, config.memory)
         self.time = nn.Sequential(nn.Linear(width, width), nn.SiLU(), nn.Linear(width, width))
         self.level = nn.Embedding(LEVELS + 1, width)
         self.blocks = nn.ModuleList(_Block(config) for _ in range(config.layers))
-        self.out = nn.Linear(width, latent)
-        self.register_buffer("mean", torch.zeros(latent) if mean is None else mean)
-        self.register_buffer("deviation", torch.ones(latent) if deviation is None else deviation)
+        self.out = nn.Linear(width, numbers)
 
     def forward(self, noisy: Tensor, time: Tensor, known: Known) -> Tensor:
-        """Clean latents (B, L, Z).
+        """Clean subgoals (B, L, V).
 
         Args:
-            noisy: (B, L, Z).
+            noisy: (B, L, V).
             time: (B,) step of the diffusion, in [0, ``config.steps``).
             known: the rest.
         """
@@ -88,7 +79,7 @@ class Denoiser(nn.Module):
         where = torch.linspace(0.0, 1.0, noisy.shape[1], device=noisy.device)
         tokens = (
             self.noisy(noisy)
-            + self.known(known.latents)
+            + self.known(known.subgoals)
             + self.kind(known.kinds)
             + self.place(_waves(where, width))
         )

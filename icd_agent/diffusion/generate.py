@@ -19,8 +19,8 @@ class Task(NamedTuple):
     """What a chain is wanted for.
 
     Attributes:
-        now: (Z,) latent of the present state.
-        goal: (Z,) latent of the goal, in the scene it was specified in.
+        now: (V,) the present state, coded.
+        goal: (V,) the goal, coded in the scene it was specified in; without places if foreign.
         foreign: that scene is another.
         scene: (A, 3 + F) scene tokens seen from now.
     """
@@ -36,15 +36,22 @@ class Generated(NamedTuple):
 
     Attributes:
         latents: (L, Z), L = 2 to ``LONGEST``; the first is now.
+        clouds: (L, N, 3) [m] in the scene's frame; None if only latents are known.
         steps: (L - 1,) predicted control steps between consecutive ones.
     """
 
     latents: Tensor
+    clouds: Tensor | None
     steps: Tensor
 
 
 class Generator:
-    """Draws chains with trained networks."""
+    """Draws chains with trained networks.
+
+    Attributes:
+        code: of subgoals.
+        config: how.
+    """
 
     def __init__(self, denoiser: Denoiser, latent: LatentModel, config: ChainConfig) -> None:
         """Put together.
@@ -55,6 +62,7 @@ class Generator:
             config: how.
         """
         self._denoiser = denoiser
+        self.code = denoiser.code
         self._latent = latent
         self.config = config
         self._schedule = make_schedule(denoiser.config.steps)
@@ -70,15 +78,15 @@ class Generator:
         """
         count = self.config.chains
         foreign = task.foreign and not self.config.inpaint_goal
-        ends = self._normalise(torch.stack([task.now, task.goal]))
-        chains = ends.expand(count, -1, -1)
+        chains = torch.stack([task.now, task.goal]).expand(count, -1, -1)
         for level in range(1, LEVELS + 1):
             chains = self._refine(chains, task, level, foreign, rng)
-            latents = self._most_alike(chains * self._denoiser.deviation + self._denoiser.mean)
+            chain = self._most_alike(chains, self.code.shares)
+            latents = self.code.latents(chain)
             steps = self.steps(latents[None], task.scene)[0]
             if float(steps.max()) <= self.config.reachable:
                 break
-        return Generated(latents, steps)
+        return Generated(latents, self.code.clouds(chain), steps)
 
     @torch.no_grad()
     def steps(self, chains: Tensor, scene: Tensor) -> Tensor:
@@ -88,18 +96,20 @@ class Generator:
         return shortest_steps(logits, self._latent.config).view(len(chains), -1)
 
     @staticmethod
-    def _most_alike(chains: Tensor) -> Tensor:
-        """The one (L, Z) of chains (C, L, Z) whose distances to the others have the least sum."""
-        apart = (chains[:, None] - chains[None]).square().sum(dim=(2, 3)).sqrt()
-        return chains[int(apart.sum(dim=1).argmin())]
+    def _most_alike(chains: Tensor, shares: Tensor) -> Tensor:
+        """The one (L, V) of chains (C, L, V) whose distances to the others have the least sum.
 
-    def _normalise(self, latents: Tensor) -> Tensor:
-        return (latents - self._denoiser.mean) / self._denoiser.deviation
+        Args:
+            chains: coded.
+            shares: (V,) by which numbers count.
+        """
+        apart = ((chains[:, None] - chains[None]).square() @ shares).sum(dim=2).sqrt()
+        return chains[int(apart.sum(dim=1).argmin())]
 
     def _refine(
         self, chains: Tensor, task: Task, level: int, foreign: bool, rng: np.random.Generator
     ) -> Tensor:
-        """Chains (C, 2^(level-1) + 1, Z) -> (C, 2^level + 1, Z)."""
+        """Chains (C, 2^(level-1) + 1, V) -> (C, 2^level + 1, V)."""
         count, length = len(chains), 2**level + 1
         shown = chains.new_zeros(count, length, chains.shape[-1])
         shown[:, ::2] = chains
@@ -111,7 +121,7 @@ class Generator:
         known = Known(
             shown,
             kinds.expand(count, -1),
-            self._normalise(task.goal).expand(count, -1),
+            task.goal.expand(count, -1),
             torch.full((count,), task.foreign),
             task.scene.expand(count, -1, -1),
             torch.full((count,), level),

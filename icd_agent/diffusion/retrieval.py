@@ -77,13 +77,14 @@ class Retriever:
         """Put together; the bank holds latents of the generator's autoencoder."""
         self._generator = generator
         self._bank = bank
+        self.code = generator.code
         self.config: ChainConfig = generator.config
 
     def generate(self, task: Task, rng: np.random.Generator) -> Generated:
         """Return the recorded chain nearest to a generated one; it too begins now."""
         found = self._bank.nearest(self._generator.generate(task, rng).latents).clone()
-        found[0] = task.now
-        return Generated(found, self.steps(found[None], task.scene)[0])
+        found[0] = self.code.latents(task.now)
+        return Generated(found, None, self.steps(found[None], task.scene)[0])
 
     def steps(self, chains: Tensor, scene: Tensor) -> Tensor:
         """Predicted control steps (C, L - 1) between consecutive latents (C, L, Z)."""

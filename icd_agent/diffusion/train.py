@@ -12,10 +12,12 @@ from torch import Tensor, nn
 
 from icd_agent.checkpoints import load_checkpoint
 from icd_agent.diffusion.chains import ChainData, Chains
+from icd_agent.diffusion.code import SubgoalCode
 from icd_agent.diffusion.config import DiffusionConfig
 from icd_agent.diffusion.denoiser import GIVEN, Denoiser
 from icd_agent.diffusion.schedule import make_schedule
 from icd_agent.latent.model import LatentModel
+from icd_agent.latent.principal import principal
 from icd_agent.states import States
 from icd_agent.training.config import TrainingConfig
 from icd_agent.training.loop import Seen, Trained
@@ -28,6 +30,8 @@ KIND: Final = "diffusion"
 BATCH: Final = 64
 CHUNK: Final = 512
 """States that are encoded at once."""
+STATISTICS: Final = 4096
+"""States that the code of subgoals is taken from."""
 
 
 def train_diffusion(
@@ -57,8 +61,8 @@ def train_diffusion(
         TrainingError: see ``icd_agent.training.loop.train``.
     """
     latents = encode_states(states, latent)
-    mean, deviation = latents.mean(dim=0), latents.std(dim=0)
-    data = ChainData(states, (latents - mean) / deviation, config.scene_size)
+    code = fit_code(states, latents, config, np.random.default_rng([training.seed]))
+    data = ChainData(states, latents, code, config.scene_size)
     schedule = make_schedule(config.steps)
 
     def loss(model: nn.Module, rng: np.random.Generator) -> dict[str, Tensor]:
@@ -74,14 +78,33 @@ def train_diffusion(
         )
 
     about = {**about, "episodes": len(states.success), "states": len(states.step)}
-    network = Network(KIND, config, lambda: Denoiser(config, mean, deviation))
+    network = Network(KIND, config, lambda: Denoiser(config, code))
     return train_network(network, loss, training, out, about=about, device=device, seen=seen)
+
+
+def fit_code(
+    states: States, latents: Tensor, config: DiffusionConfig, rng: np.random.Generator
+) -> SubgoalCode:
+    """How subgoals are coded: places as seen from where their episodes begin.
+
+    Args:
+        states: of recorded episodes.
+        latents: (S, Z) of these states.
+        config: sizes.
+        rng: draws the states that components are taken from.
+    """
+    rows = states.draw(STATISTICS, rng)
+    placed = states.frame(states.first[states.episode[rows]]).place(states.clouds[rows])
+    clouds = placed.astype(np.float32)
+    code = SubgoalCode(config, principal(clouds, config.places))
+    code.fit(latents[torch.from_numpy(rows)], torch.from_numpy(clouds))
+    return code
 
 
 def denoising_loss(
     model: nn.Module, schedule: DDIMScheduler, chains: Chains, noise: Tensor, time: Tensor
 ) -> dict[str, Tensor]:
-    """Squared error of the clean latents that are not given, in the units of the autoencoder.
+    """Squared errors of the clean subgoals that are not given: of latents, and of places.
 
     The network sees every number with unit variance, but those that hardly vary hardly matter:
     errors count by the variance that is behind them, so that they are those of what is decoded.
@@ -90,18 +113,21 @@ def denoising_loss(
         model: a ``Denoiser``.
         schedule: of the noise.
         chains: what is to be found, and what is known.
-        noise: (B, L, Z) standard normal.
+        noise: (B, L, V) standard normal.
         time: (B,) steps of the diffusion.
     """
     given = (chains.known.kinds == GIVEN)[..., None]
     noisy = schedule.add_noise(chains.clean, noise, cast(torch.IntTensor, time))
     noisy = torch.where(given, chains.clean, noisy)
-    spread = cast(Tensor, model.deviation).square()
-    error = (model(noisy, time, chains.known) - chains.clean).square() @ (spread / spread.sum())
+    code = cast(Denoiser, model).code
+    squared = (model(noisy, time, chains.known) - chains.clean).square() * code.shares
+    error, places = squared[..., : code.latent].sum(-1), squared[..., code.latent :].sum(-1)
     wanted = ~given[..., 0]
     noisiest = wanted & (time >= 0.9 * len(schedule.alphas_cumprod))[:, None]
     return {
-        "loss": error[wanted].mean(),
+        "loss": (error + places)[wanted].mean(),
+        "latents": error[wanted].mean(),
+        "places": places[wanted].mean(),
         "from_noise": (error * noisiest).sum() / noisiest.sum().clamp(min=1),
     }
 

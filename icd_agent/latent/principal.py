@@ -8,7 +8,6 @@ import numpy as np
 import torch
 
 from icd_agent.options import require
-from icd_agent.states import States
 from icd_envs.api import Float32Array
 
 
@@ -27,25 +26,20 @@ class Principal(NamedTuple):
     components: Float32Array
 
 
-def principal(states: States, latent: int, count: int, rng: np.random.Generator) -> Principal:
-    """Components of randomly drawn states.
+def principal(features: Float32Array, latent: int) -> Principal:
+    """Components of object states.
 
     Args:
-        states: of recorded episodes.
+        features: (S, N, D) of the states.
         latent: Z.
-        count: how many states are drawn, at most.
-        rng: source of every draw.
 
     Raises:
         InvalidOptionError: more components than numbers in a state.
     """
-    count = min(count, len(states.step))
-    numbers = int(np.prod(states.features.shape[1:]))
+    count, numbers = len(features), int(np.prod(features.shape[1:]))
     require(latent <= numbers, "latent", latent, f"at most {numbers}, the numbers of a state")
-    rows = np.sort(rng.choice(len(states.step), count, replace=False))
-    features = states.features[rows].astype(np.float32)
     mean = features.mean(axis=0)
-    features -= mean
+    features = features - mean
     scale = float(np.sqrt(np.square(features).sum(-1).mean()))
     flat = torch.from_numpy(features.reshape(count, -1) / scale)
     if flat.shape[0] < flat.shape[1]:  # of the two products, the smaller one

@@ -61,7 +61,8 @@ def train_latent(
         TrainingError: see ``icd_agent.training.loop.train``.
     """
     rng = np.random.default_rng([training.seed])
-    linear = principal(states, config.latent, STATISTICS, rng)
+    rows = states.draw(STATISTICS, rng)
+    linear = principal(states.features[rows].astype(np.float32), config.latent)
     canonical = torch.from_numpy(states.canonical).to(device)
 
     def loss(model: nn.Module, rng: np.random.Generator) -> dict[str, Tensor]:

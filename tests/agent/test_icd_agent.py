@@ -27,7 +27,7 @@ from tests.envs.making import CABLE
 
 FEATURES = SMALL.descriptor
 LATENT = LatentConfig(FEATURES, FEATURES, 200, latent=8, groups=6, neighbours=4, width=16)
-DENOISER = DiffusionConfig(8, FEATURES, TOKENS, width=32, layers=1, heads=2)
+DENOISER = DiffusionConfig(8, FEATURES, 200, TOKENS, width=32, layers=1, heads=2)
 
 
 def networks() -> Networks:
@@ -117,7 +117,7 @@ def test_networks_that_do_not_fit_one_another_are_refused() -> None:
     other = LatentConfig(FEATURES + 1, FEATURES, 200, latent=8)
     with pytest.raises(CheckpointError, match="9 features"):
         ICDAgent(fitting._replace(latent=LatentModel(other).eval()))
-    wider = DiffusionConfig(16, FEATURES, TOKENS, width=32, layers=1, heads=2)
+    wider = DiffusionConfig(16, FEATURES, 200, TOKENS, width=32, layers=1, heads=2)
     with pytest.raises(CheckpointError, match="16 numbers"):
         ICDAgent(fitting._replace(diffusion=Denoiser(wider).eval()))
 

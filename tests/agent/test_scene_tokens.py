@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from icd_agent.field.space import exact_features
-from icd_agent.scene_tokens import HEIGHTS, REACH, SURFACE, TOKENS, scene_tokens
+from icd_agent.scene_tokens import HEIGHTS, REACH, SURFACE, TOKENS, SceneTokens, scene_tokens
 from icd_envs.api import Float32Array
 from tests.agent.field.small import SMALL, small_data, small_field
 
@@ -67,3 +67,23 @@ def test_the_lattice_surrounds_the_fixtures_and_says_what_the_field_says(
     asked = lattice + np.array([0.0, 0.0, floor], np.float32)
     expected = exact_features(field, scene)(asked[None])[0] / field.config.length_scale
     np.testing.assert_allclose(tokens.features[SURFACE:], expected, atol=1e-3)
+
+
+@settings(max_examples=20, deadline=None)
+@given(yaw=st.floats(-3.0, 3.0), x=st.floats(-1.0, 1.0), y=st.floats(-1.0, 1.0))
+def test_a_frame_moves_with_scene_and_object_and_can_be_left_again(
+    scene: Float32Array, yaw: float, x: float, y: float
+) -> None:
+    points = np.random.default_rng(0).normal(size=(2, 7, 3))
+    middle = points[0].mean(axis=0)
+    turn, shift = Rotation.from_euler("z", yaw), np.array([x, y, 0.0])
+
+    def moved(values: np.ndarray) -> np.ndarray:
+        return turn.apply(values.reshape(-1, 3)).reshape(values.shape) + shift
+
+    tokens = SceneTokens(scene[:60], scene[:60])
+    frame = tokens.frame(middle)
+    after = SceneTokens(moved(scene[:60]), scene[:60]).frame(moved(middle))
+    np.testing.assert_allclose(after.place(moved(points)), frame.place(points), atol=1e-4)
+    np.testing.assert_allclose(frame.back(frame.place(points)), points, atol=1e-6)
+    np.testing.assert_allclose(frame.place(middle[None])[0, 1], 0.0, atol=1e-6)

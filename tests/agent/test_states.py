@@ -62,6 +62,7 @@ def test_every_fifth_state_and_the_last_with_their_features(
         middle = demonstrations.scene(i).cloud.mean(axis=0)
         wanted = episode.points[steps] - middle
         np.testing.assert_allclose(states.features[rows], wanted, atol=1e-3)
+        np.testing.assert_allclose(states.clouds[rows], episode.points[steps], atol=1e-6)
         np.testing.assert_allclose(states.middle[rows], episode.points[steps].mean(1), atol=1e-5)
         assert (states.solved[rows] == episode.solved[steps]).all()
     assert len(states.step) == states.first[-1] == len(states.features)
@@ -78,6 +79,7 @@ def test_a_killed_call_goes_on_and_a_finished_one_computes_nothing(
     compute(demonstrations, tmp_path / "parts", Describe(1))
     parts = compute(demonstrations, tmp_path / "parts", Describe(0))
     np.testing.assert_array_equal(parts.features, whole.features)
+    np.testing.assert_array_equal(parts.clouds, whole.clouds)
     np.testing.assert_array_equal(parts.middle, whole.middle)
     np.testing.assert_array_equal(parts.tokens.places, whole.tokens.places)
     np.testing.assert_array_equal(parts.tokens.features, whole.tokens.features)

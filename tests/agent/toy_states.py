@@ -39,6 +39,7 @@ def toy_states(episodes: int = 30, seed: int = 0) -> States:
     clouds = bar_at(np.concatenate(places))
     return States(
         features=clouds.astype(np.float16),
+        clouds=clouds,
         middle=clouds.mean(axis=1),
         step=np.concatenate(steps),
         episode=np.repeat(np.arange(episodes), lengths),

@@ -20,7 +20,7 @@ from tests.agent.field.small import SMALL, small_data
 from tests.agent.toy_states import toy_states
 
 LATENT = LatentConfig(3, 4, 12, latent=8, groups=6, neighbours=4, width=16, decoder_width=16)
-DENOISER = DiffusionConfig(8, 4, 2, width=48, layers=2, heads=2)
+DENOISER = DiffusionConfig(8, 4, 12, 2, places=4, width=48, layers=2, heads=2)
 TRAINING = TrainingConfig(steps=60, warmup=5, save_every=7, log_every=1)
 
 

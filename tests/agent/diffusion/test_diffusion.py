@@ -11,6 +11,7 @@ import torch
 
 from icd_agent.checkpoints import save_checkpoint
 from icd_agent.diffusion.chains import ChainData
+from icd_agent.diffusion.code import SubgoalCode
 from icd_agent.diffusion.config import LEVELS, LONGEST, ChainConfig, DiffusionConfig
 from icd_agent.diffusion.denoiser import COARSE, GIVEN, UNKNOWN, Denoiser
 from icd_agent.diffusion.generate import Generator, Task
@@ -19,13 +20,15 @@ from icd_agent.diffusion.train import encode_states, load_diffusion, train_diffu
 from icd_agent.latent.config import LatentConfig
 from icd_agent.latent.model import LatentModel
 from icd_agent.latent.train import load_latent, train_latent
+from icd_agent.scene_tokens import Frame
 from icd_agent.states import States
 from icd_agent.training.config import TrainingConfig
+from icd_envs.api import FloatArray
 from icd_envs.errors import InvalidOptionError
 from tests.agent.toy_states import CANONICAL, bar_at, toy_states
 
 LATENT = LatentConfig(3, 4, 12, latent=8, groups=6, neighbours=4, width=16, decoder_width=16)
-SMALL = DiffusionConfig(8, 4, 2, width=48, layers=2, heads=2)
+SMALL = DiffusionConfig(8, 4, 12, 2, places=4, width=48, layers=2, heads=2)
 
 
 class Networks(NamedTuple):
@@ -50,7 +53,24 @@ def task(networks: Networks, *, foreign: bool = False) -> Task:
     with torch.no_grad():
         now, goal = networks.latent.encode(torch.from_numpy(ends), torch.from_numpy(CANONICAL))
     scene = torch.from_numpy(states.tokens.seen_from(ends[0].mean(axis=0), 0.2))[0]
-    return Task(now, goal, foreign, scene)
+    code, placed = networks.denoiser.code, torch.from_numpy(seen(ends)).float()
+    return Task(
+        code.join(now, placed[0]),
+        code.join(goal, None if foreign else placed[1]),
+        foreign,
+        scene,
+    )
+
+
+def toy_frame() -> Frame:
+    """Of a toy that is where ``task`` begins."""
+    tokens = toy_states(1, seed=5).tokens
+    frame = tokens.frame(bar_at(np.array([-0.2, 0.1, 0.0])).mean(axis=0))
+    return Frame(frame.origin[0], frame.along[0])
+
+
+def seen(clouds: FloatArray) -> FloatArray:
+    return toy_frame().place(clouds)
 
 
 def test_a_generated_chain_goes_round_the_wall_in_order(networks: Networks) -> None:
@@ -66,6 +86,8 @@ def test_a_generated_chain_goes_round_the_wall_in_order(networks: Networks) -> N
     np.testing.assert_allclose(places[-1], [0.2, 0.0, 0.0], atol=0.04)
     apart = np.linalg.norm(np.diff(places, axis=0), axis=1)
     assert apart.max() < 3 * np.median(apart)
+    assert found.clouds is not None  # the toy's descriptors are its places: both tell the same
+    np.testing.assert_allclose(toy_frame().back(found.clouds.numpy()), clouds, atol=0.05)
 
 
 @pytest.mark.parametrize(("reachable", "length"), [(1e6, 3), (1e-3, LONGEST)])
@@ -97,8 +119,9 @@ def test_a_foreign_goal_is_generated_unless_in_painted(networks: Networks) -> No
         config = ChainConfig(chains=1, denoising_steps=4, inpaint_goal=inpaint)
         generator = Generator(networks.denoiser, networks.latent, config)
         ends[inpaint] = generator.generate(wanted, np.random.default_rng(0)).latents[-1]
-    torch.testing.assert_close(ends[True], wanted.goal, atol=1e-5, rtol=0.0)
-    assert not torch.allclose(ends[False], wanted.goal, atol=1e-4)
+    goal = networks.denoiser.code.latents(wanted.goal)
+    torch.testing.assert_close(ends[True], goal, atol=1e-5, rtol=0.0)
+    assert not torch.allclose(ends[False], goal, atol=1e-4)
 
 
 def test_the_nearest_recorded_chain_is_found_at_every_length() -> None:
@@ -121,7 +144,8 @@ def test_a_retrieved_chain_is_a_recorded_one_that_begins_now(networks: Networks)
     generator = Generator(networks.denoiser, networks.latent, ChainConfig(chains=2))
     wanted, rng = task(networks), np.random.default_rng(0)
     found = Retriever(generator, bank).generate(wanted, rng)
-    assert torch.equal(found.latents[0], wanted.now)
+    assert torch.equal(found.latents[0], networks.denoiser.code.latents(wanted.now))
+    assert found.clouds is None
     rest = (latents[:, None] - found.latents[1:]).abs().amax(dim=2).amin(dim=0)
     assert float(rest.max()) == 0.0  # every other one is a state that was recorded
     assert len(found.steps) == len(found.latents) - 1
@@ -143,7 +167,7 @@ def test_a_bank_keeps_solved_episodes_only_and_is_saved(tmp_path: Path) -> None:
 def numbered(states: States) -> ChainData:
     """Chain data whose latents are the rows of the states."""
     rows = torch.arange(len(states.step), dtype=torch.float32)
-    return ChainData(states, rows[:, None].expand(-1, 8).contiguous(), 0.2)
+    return ChainData(states, rows[:, None].expand(-1, 8).contiguous(), SubgoalCode(SMALL), 0.2)
 
 
 def test_chains_tell_ends_and_every_second_subgoal_and_nothing_else() -> None:
@@ -162,13 +186,13 @@ def test_chains_tell_ends_and_every_second_subgoal_and_nothing_else() -> None:
         assert (apart.max(axis=1) - apart.min(axis=1) <= 1).all()  # equal, but for rounding
         assert (known.kinds[:, 0] == GIVEN).all()
         assert (known.kinds[:, 1::2] == UNKNOWN).all()
-        assert (known.latents[known.kinds == UNKNOWN] == 0).all()
+        assert (known.subgoals[known.kinds == UNKNOWN] == 0).all()
         assert (known.kinds[:, 2:-1:2] == COARSE).all()
         own = ~known.foreign
         assert (known.kinds[own, -1] == GIVEN).all()
         assert (known.kinds[known.foreign, -1] == (COARSE if level > 1 else UNKNOWN)).all()
         assert torch.equal(known.goal[own], clean[own, -1])
-        torch.testing.assert_close(known.latents[:, 0], clean[:, 0])
+        torch.testing.assert_close(known.subgoals[:, 0], clean[:, 0])
     assert levels == set(range(1, LEVELS + 1))
 
 
@@ -190,7 +214,10 @@ def test_foreign_goals_have_the_same_parts_done() -> None:
 
 def test_the_chain_most_like_the_others_is_kept() -> None:
     chains = torch.tensor([0.0, 10.0, 1.0, 2.0, -9.0])[:, None, None].expand(-1, 3, 2)
-    assert torch.equal(Generator._most_alike(chains), chains[2])
+    assert torch.equal(Generator._most_alike(chains, torch.ones(2)), chains[2])
+    unlike = torch.stack([chains[..., 0], chains[[1, 2, 0, 3, 4], :, 0]], dim=-1)
+    for shares, kept in (((1.0, 0.0), 2), ((0.0, 1.0), 1)):
+        assert torch.equal(Generator._most_alike(unlike, torch.tensor(shares)), unlike[kept])
 
 
 def test_latents_are_those_of_the_states(networks: Networks) -> None:
@@ -230,15 +257,14 @@ def test_a_killed_run_goes_on_to_the_same_weights(networks: Networks, tmp_path: 
     ],
 )
 def test_wrong_settings_are_refused(config: type, wrong: dict[str, float]) -> None:
-    sizes = (
-        {"latent": 8, "scene_features": 4, "scene_tokens": 2} if config is DiffusionConfig else {}
-    )
+    needed = {"latent": 8, "scene_features": 4, "points": 12, "scene_tokens": 2}
+    sizes = needed if config is DiffusionConfig else {}
     with pytest.raises(InvalidOptionError, match=next(iter(wrong))):
         config(**{**sizes, **wrong})
 
 
 def test_only_the_first_scene_tokens_are_read(networks: Networks) -> None:
-    data = ChainData(toy_states(), torch.zeros(len(toy_states().step), 8), 0.2)
+    data = numbered(toy_states())
     chains = data.draw(4, np.random.default_rng(0))
     time = torch.zeros(4, dtype=torch.long)
 
@@ -253,3 +279,20 @@ def test_only_the_first_scene_tokens_are_read(networks: Networks) -> None:
     more = torch.cat([scene, torch.full((4, 5, scene.shape[-1]), 3.0)], dim=1)
     assert torch.equal(answer(more), answer(scene))
     assert not torch.equal(answer(scene + 1.0), answer(scene))
+
+
+def test_a_code_keeps_latents_and_places(networks: Networks) -> None:
+    states = toy_states()
+    code, latents = networks.denoiser.code, encode_states(states, networks.latent)
+    first = states.first[states.episode]
+    clouds = torch.from_numpy(states.frame(first).place(states.clouds)).float()
+    vectors = code.join(latents, clouds)
+    torch.testing.assert_close(code.latents(vectors), latents, atol=1e-4, rtol=1e-4)
+    # A bar that only moves is two numbers; four components keep it whole.
+    torch.testing.assert_close(code.clouds(vectors), clouds, atol=1e-3, rtol=0.0)
+    torch.testing.assert_close(vectors.mean(dim=0), torch.zeros(12), atol=1e-3, rtol=0.0)
+    unknown = code.join(latents, None)
+    assert torch.equal(unknown[:, :8], vectors[:, :8])
+    assert not unknown[:, 8:].any()
+    assert float(code.shares[:8].sum()) == pytest.approx(1.0)
+    assert float(code.shares[8:].sum()) == pytest.approx(1.0)

@@ -18,8 +18,7 @@ SMALL = LatentConfig(3, 4, 12, latent=8, groups=6, neighbours=4, width=16, decod
 def of_random_states(latent: int, count: int) -> tuple[Principal, np.ndarray]:
     features = np.random.default_rng(0).normal(size=(60, 5, 3)).astype(np.float16)
     features *= np.linspace(1.0, 3.0, 5, dtype=np.float16)[:, None]
-    states = toy_states()._replace(features=features, step=np.arange(60))
-    found = principal(states, latent, count, np.random.default_rng(1))
+    found = principal(features[:count].astype(np.float32), latent)
     normal = (features.astype(np.float32) - found.mean) / found.scale
     return found, normal
 
@@ -51,7 +50,7 @@ def test_normalised_features_have_unit_size() -> None:
 
 def test_states_in_a_plane_come_back_before_any_training() -> None:
     states = toy_states()  # a bar that moves in a plane: two numbers say where it is
-    model = LatentModel(SMALL, principal(states, 8, 200, np.random.default_rng(0))).eval()
+    model = LatentModel(SMALL, principal(states.features.astype(np.float32), 8)).eval()
     for part in (model.encoder.out, model.decoder.layers[-1]):
         for value in part.parameters():
             value.data.zero_()
