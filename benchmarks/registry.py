@@ -33,6 +33,9 @@ AGENTS: dict[str, str] = {
     "ladder:vae": "baselines.ladder:make_vae",
     "ladder:retrieved-chain": "baselines.ladder:make_retrieved_chain",
     "ladder:replaced-goal": "baselines.replaced_goal:make_replaced_goal",
+    "ladder:places": "baselines.field_parts:make_places",
+    "ladder:near-field": "baselines.field_parts:make_near_field",
+    "ladder:far-field": "baselines.field_parts:make_far_field",
     "ladder:transferred-points": "baselines.ladder:make_transferred_points",
     "ladder:transferred-descriptors": "baselines.ladder:make_transferred_descriptors",
 }

@@ -41,6 +41,7 @@ class _Asked(NamedTuple):
     frame: Frame
     found: Generated
     goal: FloatArray
+    wanted: FloatArray
     canonical: FloatArray
 
 
@@ -99,16 +100,19 @@ class DiffusedSource:
         latents = encode(self._latent, np.stack([space.here(now), goal]), canonical)
         foreign = not np.array_equal(observation["scene"], observation["goal_scene"])
         tokens, middle = self._tokens(observation), now.mean(axis=0)
-        frame = tokens.frame(middle)
-        placed = torch.from_numpy(frame.place(np.stack([now, wanted])).astype(np.float32))
-        code = self._generator.code
+        frame = goal_frame = tokens.frame(middle)
+        code, inpaint = self._generator.code, self._generator.config.inpaint_goal
+        if foreign and inpaint:  # as if it were of the present scene
+            goal_frame = scene_tokens(self._field, observation["goal_scene"]).frame(middle)
+        there = None if foreign and not inpaint else _placed(goal_frame, wanted)
         task = Task(
-            now=code.join(latents[0], placed[0]),
-            goal=code.join(latents[1], None if foreign else placed[1]),
+            now=code.join(latents[0], _placed(frame, now)),
+            goal=code.join(latents[1], there),
             foreign=foreign,
             scene=torch.from_numpy(tokens.seen_from(middle, self._latent.config.scene_size)),
         )
-        return _Asked(task, frame, self._generator.generate(task, rng), goal, canonical)
+        found = self._generator.generate(task, rng)
+        return _Asked(task, frame, found, goal, wanted, canonical)
 
     def _decode(self, asked: _Asked, space: Placed) -> Subgoals:
         found, config = asked.found, self._generator.config
@@ -119,6 +123,8 @@ class DiffusedSource:
             features = space.here(clouds.astype(np.float32))
         if not asked.task.foreign or config.inpaint_goal:
             features[-1] = asked.goal  # better known than can be generated
+        if not asked.task.foreign and clouds is not None:
+            clouds[-1] = asked.wanted
         self._last = asked
         return Subgoals(features[1:], None if clouds is None else clouds[1:], features[0])
 
@@ -126,3 +132,7 @@ class DiffusedSource:
         mask = observation.get("scene_mask")
         scene = observation["scene"]
         return scene_tokens(self._field, scene if mask is None else scene[np.asarray(mask) > 0])
+
+
+def _placed(frame: Frame, cloud: FloatArray) -> Tensor:
+    return torch.from_numpy(frame.place(cloud).astype(np.float32))

@@ -1,0 +1,114 @@
+"""ICD whose chains are followed by something else than whole descriptors: contact, or position?"""
+
+from __future__ import annotations
+
+from typing import Final, Literal
+
+import numpy as np
+from torch import Tensor
+
+from icd_agent.agent import PRESETS, best_preset, load_networks
+from icd_agent.chain import CostSpace, Placed, PointSpace, ReplanningSource, Subgoals
+from icd_agent.diffused import DiffusedSource
+from icd_agent.diffusion.generate import Generator
+from icd_agent.field.encoder import SceneCode
+from icd_agent.field.field import FieldOutput, SceneField
+from icd_agent.field.space import FieldSpace
+from icd_agent.mppi.presets import preset
+from icd_agent.tracking import SubgoalTracker
+from icd_agent.weights import shipped_folder
+from icd_envs.api import Episode, Observation
+
+REACH: Final = 0.1
+"""[m] from a surface, over which one part of the field fades and the other begins."""
+
+
+class PartOfField(SceneField):
+    """A trained field, of which only what is near to surfaces is left, or only what is far."""
+
+    def __init__(self, field: SceneField, part: Literal["near", "far"]) -> None:
+        """Take the weights of another; it stays as it is."""
+        super().__init__(field.config)
+        self.load_state_dict(field.state_dict())
+        self._part = part
+        self.eval()
+
+    def query(self, code: SceneCode, points: Tensor) -> FieldOutput:
+        """Ask about points (B, Q, 3) [m]; descriptors fade with the predicted distance."""
+        found = super().query(code, points)
+        away = self.config.close_scale * found.log_distance.expm1() / REACH
+        far = away.clamp(0.0, 1.0)[..., None]
+        weight = far if self._part == "far" else 1.0 - far
+        return found._replace(descriptor=weight * found.descriptor)
+
+
+class SeenElsewhere:
+    """A source that thinks in one cost space while its chain is followed in another.
+
+    Its subgoals are handed on as clouds, so that only the costs differ.
+    """
+
+    needs_oracle = False
+
+    def __init__(self, source: ReplanningSource, space: CostSpace) -> None:
+        """Put together.
+
+        Args:
+            source: its chains have clouds.
+            space: in which it thinks.
+        """
+        self._source = source
+        self._space = space
+        self._placed: Placed | None = None
+
+    def chain(
+        self, episode: Episode, observation: Observation, space: Placed, rng: np.random.Generator
+    ) -> Subgoals:
+        """Begin an episode: subgoals from now to the goal, in ``space``."""
+        self._placed = self._space.place(observation)
+        return _seen(self._source.chain(episode, observation, self._placed, rng), space)
+
+    def again(
+        self,
+        episode: Episode,
+        observation: Observation,
+        space: Placed,
+        rng: np.random.Generator,
+        index: int | None,
+    ) -> Subgoals | None:
+        """Return another chain, or None to keep what is left of the last."""
+        assert self._placed is not None
+        found = self._source.again(episode, observation, self._placed, rng, index)
+        return None if found is None else _seen(found, space)
+
+
+def _seen(subgoals: Subgoals, space: Placed) -> Subgoals:
+    clouds = subgoals.clouds
+    assert clouds is not None
+    return Subgoals(space.here(clouds), clouds)
+
+
+def make_places(env_id: str) -> SubgoalTracker:
+    """Build ICD whose subgoals are followed as places: points, no descriptors in the cost."""
+    return _follow_in(env_id, PointSpace())
+
+
+def make_near_field(env_id: str) -> SubgoalTracker:
+    """Build ICD with the local part alone: descriptors fade over 10 cm from surfaces."""
+    field = load_networks(shipped_folder(env_id)).field
+    return _follow_in(env_id, FieldSpace(PartOfField(field, "near")))
+
+
+def make_far_field(env_id: str) -> SubgoalTracker:
+    """Build ICD with the far part alone: descriptors fade over the last 10 cm to surfaces."""
+    field = load_networks(shipped_folder(env_id)).field
+    return _follow_in(env_id, FieldSpace(PartOfField(field, "far")))
+
+
+def _follow_in(env_id: str, space: CostSpace) -> SubgoalTracker:
+    networks = load_networks(shipped_folder(env_id))
+    settings = PRESETS[best_preset(env_id)]
+    generator = Generator(networks.diffusion, networks.latent, settings.chain)
+    source = DiffusedSource(networks.field, networks.latent, generator)
+    seen = SeenElsewhere(source, FieldSpace(networks.field))
+    return SubgoalTracker(seen, space, preset(settings.mppi), settings.tracker)
