@@ -61,12 +61,17 @@ class DiffusedSource:
         self._field = field
         self._latent = latent
         self._generator = generator
+        self._tokens: SceneTokens | None = None
         self._last: _Asked | None = None
 
     def chain(
         self, episode: Episode, observation: Observation, space: Placed, rng: np.random.Generator
     ) -> Subgoals:
-        """Generate subgoals from now to the goal; now itself is not one of them."""
+        """Begin an episode: look at its scene, generate subgoals from now to the goal.
+
+        Now itself is not one of them.
+        """
+        self._tokens = self._look(observation)
         return self._decode(self._generate(episode, observation, space, rng), space)
 
     def again(
@@ -99,7 +104,8 @@ class DiffusedSource:
         goal = space.goal(wanted)
         latents = encode(self._latent, np.stack([space.here(now), goal]), canonical)
         foreign = not np.array_equal(observation["scene"], observation["goal_scene"])
-        tokens, middle = self._tokens(observation), now.mean(axis=0)
+        assert self._tokens is not None
+        tokens, middle = self._tokens, now.mean(axis=0)
         frame = goal_frame = tokens.frame(middle)
         code, inpaint = self._generator.code, self._generator.config.inpaint_goal
         if foreign and inpaint:  # as if it were of the present scene
@@ -128,7 +134,7 @@ class DiffusedSource:
         self._last = asked
         return Subgoals(features[1:], None if clouds is None else clouds[1:], features[0])
 
-    def _tokens(self, observation: Observation) -> SceneTokens:
+    def _look(self, observation: Observation) -> SceneTokens:
         mask = observation.get("scene_mask")
         scene = observation["scene"]
         return scene_tokens(self._field, scene if mask is None else scene[np.asarray(mask) > 0])
