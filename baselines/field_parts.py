@@ -93,6 +93,11 @@ def make_places(env_id: str) -> SubgoalTracker:
     return _follow_in(env_id, PointSpace())
 
 
+def make_no_places(env_id: str) -> SubgoalTracker:
+    """Build ICD whose subgoals are followed by descriptors alone, as in the paper."""
+    return _follow_in(env_id, FieldSpace(load_networks(shipped_folder(env_id)).field))
+
+
 def make_near_field(env_id: str) -> SubgoalTracker:
     """Build ICD with the local part alone: descriptors fade over 10 cm from surfaces."""
     field = load_networks(shipped_folder(env_id)).field

@@ -34,6 +34,7 @@ AGENTS: dict[str, str] = {
     "ladder:retrieved-chain": "baselines.ladder:make_retrieved_chain",
     "ladder:replaced-goal": "baselines.replaced_goal:make_replaced_goal",
     "ladder:places": "baselines.field_parts:make_places",
+    "ladder:no-places": "baselines.field_parts:make_no_places",
     "ladder:near-field": "baselines.field_parts:make_near_field",
     "ladder:far-field": "baselines.field_parts:make_far_field",
     "ladder:transferred-points": "baselines.ladder:make_transferred_points",

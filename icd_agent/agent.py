@@ -7,6 +7,7 @@ from typing import Any, Final, NamedTuple, Protocol
 
 import numpy as np
 
+from icd_agent.chain import WithPlaces
 from icd_agent.checkpoints import save_checkpoint
 from icd_agent.diffused import DiffusedSource
 from icd_agent.diffusion.config import ChainConfig
@@ -36,11 +37,13 @@ class Preset(NamedTuple):
         mppi: name of the planner's settings.
         chain: how chains are generated.
         tracker: how they are followed.
+        places: weight of a metre between object states, beside descriptors; 0 is none.
     """
 
     mppi: str
     chain: ChainConfig
     tracker: TrackerConfig
+    places: float = 0.0
 
 
 _CLOSELY: Final = TrackerConfig(
@@ -53,8 +56,8 @@ PRESETS: Final = {
         ChainConfig(chains=1, ask_field=False, inpaint_goal=True, keep_shorter=False),
         TrackerConfig(replan_every=20),
     ),
-    "improved": Preset("improved", ChainConfig(), _CLOSELY),
-    "careful": Preset("adaptive", ChainConfig(), _CLOSELY),
+    "improved": Preset("improved", ChainConfig(), _CLOSELY, places=0.2),
+    "careful": Preset("adaptive", ChainConfig(), _CLOSELY, places=0.2),
 }
 """``paper``: one chain, minimum over all remaining subgoals, the goal in-painted. ``improved``: the
 one of several chains that is most like the others, one subgoal at a time, passed once most of the
@@ -137,9 +140,10 @@ class ICDAgent:
         self.preset = preset
         self._env = env
         generator = Generator(networks.diffusion, networks.latent, settings.chain)
+        space = FieldSpace(networks.field)
         self.tracker = SubgoalTracker(
             DiffusedSource(networks.field, networks.latent, generator),
-            FieldSpace(networks.field),
+            WithPlaces(space, settings.places) if settings.places else space,
             mppi_preset(settings.mppi),
             settings.tracker,
         )

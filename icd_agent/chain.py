@@ -113,6 +113,35 @@ def _unchanged(points: FloatArray) -> FloatArray:
     return points
 
 
+class WithPlaces:
+    """Another space's features, and beside them the world coordinates.
+
+    Descriptors tell contacts apart, but far from fixtures they hardly change; places do.
+    """
+
+    def __init__(self, space: CostSpace, weight: float) -> None:
+        """Choose.
+
+        Args:
+            space: whose features come first.
+            weight: of a metre.
+        """
+        self._space = space
+        self._weight = np.float32(weight)
+
+    def place(self, observation: Observation) -> Placed:
+        """Place the other space; (..., N, D) become (..., N, D + 3)."""
+        placed = self._space.place(observation)
+        return Placed(self._beside(placed.here), self._beside(placed.goal))
+
+    def _beside(self, features: Features) -> Features:
+        def joined(points: FloatArray) -> FloatArray:
+            places = self._weight * np.asarray(points, np.float32)
+            return np.concatenate([features(points), places], axis=-1)
+
+        return joined
+
+
 class GoalSource:
     """The goal itself as the only subgoal."""
 

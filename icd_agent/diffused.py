@@ -101,8 +101,9 @@ class DiffusedSource:
     ) -> _Asked:
         canonical = episode.canonical_cloud
         now, wanted = observation["achieved_goal"], observation["desired_goal"]
-        goal = space.goal(wanted)
-        latents = encode(self._latent, np.stack([space.here(now), goal]), canonical)
+        goal, described = space.goal(wanted), self._latent.config.features
+        features = np.stack([space.here(now), goal])[..., :described]
+        latents = encode(self._latent, features, canonical)
         foreign = not np.array_equal(observation["scene"], observation["goal_scene"])
         assert self._tokens is not None
         tokens, middle = self._tokens, now.mean(axis=0)

@@ -3,7 +3,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from icd_agent.chain import CostSpace, GoalSource, Placed, PointSpace, Spacing, SubgoalChain
+from icd_agent.chain import (
+    CostSpace,
+    GoalSource,
+    Placed,
+    PointSpace,
+    Spacing,
+    SubgoalChain,
+    WithPlaces,
+)
+from icd_agent.mppi.costs import squared_distance
 from icd_envs.api import Float64Array, Observation
 from icd_envs.errors import InvalidOptionError
 from tests.agent.toy_world import ToyWorld
@@ -150,3 +159,17 @@ def test_goal_is_a_chain_of_one_that_can_be_drawn_whatever_the_space(space: Cost
     goal = observation["desired_goal"]
     np.testing.assert_array_equal(chain.features, placed.goal(goal)[None])
     np.testing.assert_array_equal(chain.clouds, goal[None])
+
+
+def test_places_beside_features_add_their_squared_distance() -> None:
+    world, rng = ToyWorld(), np.random.default_rng(0)
+    observation = world.observation()
+    points, subgoals = rng.normal(size=(2, 3, 5, 3)), rng.normal(size=(4, 5, 3))
+    alone = Norms().place(observation)
+    beside = WithPlaces(Norms(), 0.5).place(observation)
+    for features, joined in ((alone.here, beside.here), (alone.goal, beside.goal)):
+        found = squared_distance(joined(points), joined(subgoals))
+        contacts = squared_distance(features(points), features(subgoals))
+        np.testing.assert_allclose(
+            found, contacts + 0.25 * squared_distance(points, subgoals), rtol=1e-5
+        )
