@@ -65,27 +65,28 @@ def render(env_id: str, out: Path, *, seed: int, weights: Path | None) -> None:
     rng = np.random.default_rng(seed)
     chain = source.chain(episode, observation, Placed(here, goal), rng)
     assert chain.begin is not None
+    assert chain.clouds is not None
     made = np.concatenate([chain.begin[None], chain.features])
+    places = np.concatenate([observation["achieved_goal"][None], chain.clouds])
     times = np.rint(np.linspace(0, len(clouds) - 1, len(made))).astype(int)
     done = here(clouds[times])
     nearest = squared_distance(made[:, None], here(clouds))[:, 0].argmin(axis=1)
 
     colours = Colours(np.concatenate([done, made]).reshape(-1, made.shape[-1]))
     fixtures = scene[scene[:, 2] > FLOOR]
-    everything = np.concatenate([fixtures, clouds.reshape(-1, 3)])
+    everything = np.concatenate([fixtures, places.reshape(-1, 3)])
     box = np.stack([everything.min(axis=0), everything.max(axis=0)])
     half = COLUMNS // 2
     grid = figure.add_gridspec(3, COLUMNS)
     left, right = figure.add_subplot(grid[0, :half]), figure.add_subplot(grid[0, half:])
     _draw_map(left, colours(done), "the expert's states at equal times")
-    _draw_map(right, colours(made), "generated subgoals, decoded")
+    _draw_map(right, colours(made), "generated subgoals")
     shown = np.unique(np.linspace(0, len(made) - 1, 2 * COLUMNS).astype(int))
     for place, i in enumerate(shown):
         where = grid[1 + place // COLUMNS, place % COLUMNS]
         axis = figure.add_subplot(where, projection="3d")
-        cloud = clouds[nearest[i]]
-        title = f"subgoal {i}: nearest at step {nearest[i]}"
-        _draw_object(axis, fixtures, cloud, box, colours(made[i]), title)
+        title = f"subgoal {i}: most like step {nearest[i]}"
+        _draw_object(axis, fixtures, places[i], box, colours(made[i]), title)
     figure.suptitle(f"{env_id}, test scene {seed}: descriptors of a chain")
     save_figure(figure, out)
 
@@ -106,7 +107,7 @@ def _draw_object(
     shown: FloatArray,
     title: str,
 ) -> None:
-    """The expert's state whose descriptors are nearest, in the subgoal's colours."""
+    """Where a subgoal is, in the colours of its descriptors."""
     axis.scatter(*fixtures.T, s=1, color="0.8")
     axis.scatter(*cloud.T, s=9, c=shown, depthshade=False)
     for low, high, limit in zip(*box, (axis.set_xlim, axis.set_ylim, axis.set_zlim), strict=True):
