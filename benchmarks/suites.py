@@ -53,6 +53,9 @@ ROBUST_TASKS: Final = tuple(
 An action noise of 0.2 is 6 mm per step. An observation noise of 5 mm is more than a depth
 camera's, less than the width of a throat. Cable and number of clips change the scenes too.
 """
+CONTACT_TASKS: Final = (TaskSpec(CABLE, CONTACT_GOALS), TaskSpec(CABLE_ADAPTATION, CONTACT_GOALS))
+"""Where one scene has many goals, so that who ignores the goal fails; in the adaptation task the
+goal is of another scene as well."""
 
 
 @dataclass(frozen=True)
@@ -94,6 +97,7 @@ SUITES: Final[Mapping[str, Suite]] = MappingProxyType(
             Suite("paper", version=1, tasks=PAPER_TASKS, episodes=10, repeats=2),
             Suite("full", version=1, tasks=TASKS, episodes=100),
             Suite("robust", version=1, tasks=ROBUST_TASKS, episodes=20),
+            Suite("contact", version=1, tasks=CONTACT_TASKS, episodes=20),
         )
     }
 )
