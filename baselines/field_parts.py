@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Final, Literal
 
 import numpy as np
@@ -90,30 +91,29 @@ def _seen(subgoals: Subgoals, space: Placed) -> Subgoals:
 
 def make_places(env_id: str) -> SubgoalTracker:
     """Build ICD whose subgoals are followed as places: points, no descriptors in the cost."""
-    return _follow_in(env_id, PointSpace())
+    return _follow_in(env_id, lambda field: PointSpace())
 
 
 def make_no_places(env_id: str) -> SubgoalTracker:
     """Build ICD whose subgoals are followed by descriptors alone, as in the paper."""
-    return _follow_in(env_id, FieldSpace(load_networks(shipped_folder(env_id)).field))
+    return _follow_in(env_id, FieldSpace)
 
 
 def make_near_field(env_id: str) -> SubgoalTracker:
     """Build ICD with the local part alone: descriptors fade over 10 cm from surfaces."""
-    field = load_networks(shipped_folder(env_id)).field
-    return _follow_in(env_id, FieldSpace(PartOfField(field, "near")))
+    return _follow_in(env_id, lambda field: FieldSpace(PartOfField(field, "near")))
 
 
 def make_far_field(env_id: str) -> SubgoalTracker:
     """Build ICD with the far part alone: descriptors fade over the last 10 cm to surfaces."""
-    field = load_networks(shipped_folder(env_id)).field
-    return _follow_in(env_id, FieldSpace(PartOfField(field, "far")))
+    return _follow_in(env_id, lambda field: FieldSpace(PartOfField(field, "far")))
 
 
-def _follow_in(env_id: str, space: CostSpace) -> SubgoalTracker:
+def _follow_in(env_id: str, make_space: Callable[[SceneField], CostSpace]) -> SubgoalTracker:
     networks = load_networks(shipped_folder(env_id))
     settings = PRESETS[best_preset(env_id)]
     generator = Generator(networks.diffusion, networks.latent, settings.chain)
     source = DiffusedSource(networks.field, networks.latent, generator)
     seen = SeenElsewhere(source, FieldSpace(networks.field))
+    space = make_space(networks.field)
     return SubgoalTracker(seen, space, preset(settings.mppi), settings.tracker)
