@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from benchmarks import network_commands
+from benchmarks import baseline_commands, network_commands
 from benchmarks.console import FAILED_EPISODES, FINE, AsJson, errors_in_one_line
 
 if TYPE_CHECKING:
@@ -29,6 +29,7 @@ main = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
+baseline_commands.offer(network_commands.GROUPS["train"])
 for name, group in network_commands.GROUPS.items():
     main.add_typer(group, name=name)
 
@@ -93,7 +94,12 @@ def run(
         int | None,
         typer.Option(min=1, help="Test cases per agent and task, instead of the suite's."),
     ] = None,
-    seed: Annotated[int, typer.Option(min=0, help="Base seed of all episodes.")] = 0,
+    seed: Annotated[
+        int | None,
+        typer.Option(
+            min=0, help="Base seed of all episodes.", show_default="the suite's, mostly 0"
+        ),
+    ] = None,
     act_seconds: ActSeconds = 60.0,
     episode_seconds: Annotated[
         float, typer.Option(help="Time that one episode may take, loading included.")

@@ -106,7 +106,7 @@ def task_from_record(record: Mapping[str, Any]) -> TaskSpec:
 
 
 def make_env(task: TaskSpec) -> gym.Env[Any, Any]:
-    """Make the environment of a task, with test scenes.
+    """Make the environment of a task, with test scenes unless its condition wants others.
 
     Raises:
         InvalidOptionError: on an option that the environment does not take.
@@ -117,8 +117,8 @@ def make_env(task: TaskSpec) -> gym.Env[Any, Any]:
     from icd_envs.wrappers import MismatchedPlanner, NoisyActions, NoisyObservations
 
     condition = task.condition
-    options: dict[str, Any] = dict(condition.options)
-    env: gym.Env[Any, Any] = gym.make(task.env, split="test", disable_env_checker=True, **options)
+    options: dict[str, Any] = {"split": "test", **dict(condition.options)}
+    env: gym.Env[Any, Any] = gym.make(task.env, disable_env_checker=True, **options)
     planner = (condition.planner_stiffness, condition.planner_mass, condition.planner_friction)
     if planner != (1.0, 1.0, 1.0):
         env = MismatchedPlanner(env, *planner)

@@ -117,7 +117,7 @@ def plan_suite(
     envs: Sequence[str] = (),
     conditions: Sequence[str] = (),
     episodes: int | None = None,
-    seed: int = 0,
+    seed: int | None = None,
 ) -> Plan:
     """Plan of a suite, or of a part of it.
 
@@ -127,7 +127,7 @@ def plan_suite(
         envs: only these; one that the suite does not know is taken as it is.
         conditions: only tasks under these; all if empty.
         episodes: test cases for each agent and task, instead of the suite's.
-        seed: base seed.
+        seed: base seed, instead of the suite's.
 
     Raises:
         InvalidOptionError: no task is left under one of the conditions.
@@ -145,4 +145,5 @@ def plan_suite(
     cases = suite.episodes if episodes is None else episodes
     whole = tasks == suite.tasks and cases == suite.episodes
     title = suite.title if whole else ""
-    return Plan(tuple(dict.fromkeys(agents)), tasks, cases, seed, suite.repeats, title)
+    base = suite.seed if seed is None else seed
+    return Plan(tuple(dict.fromkeys(agents)), tasks, cases, base, suite.repeats, title)

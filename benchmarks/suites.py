@@ -56,6 +56,11 @@ camera's, less than the width of a throat. Cable and number of clips change the 
 CONTACT_TASKS: Final = (TaskSpec(CABLE, CONTACT_GOALS), TaskSpec(CABLE_ADAPTATION, CONTACT_GOALS))
 """Where one scene has many goals, so that who ignores the goal fails; in the adaptation task the
 goal is of another scene as well."""
+_TRAINING: Final = Condition("training scenes", (("split", "train"),))
+VALIDATION_TASKS: Final = tuple(TaskSpec(task.env, _TRAINING) for task in TASKS)
+"""To tune and to choose on: no test scene, and none of the demonstrations either."""
+VALIDATION_SEED: Final = 1_000_000
+"""Demonstrations have a base seed of 0, unless their user wants another one."""
 
 
 @dataclass(frozen=True)
@@ -68,6 +73,7 @@ class Suite:
         tasks: environments and conditions.
         episodes: test cases per task.
         repeats: episodes per test case, with other seeds of the agent.
+        seed: base seed, unless another is asked for.
     """
 
     name: str
@@ -75,6 +81,7 @@ class Suite:
     tasks: tuple[TaskSpec, ...]
     episodes: int
     repeats: int = 1
+    seed: int = 0
 
     @property
     def description(self) -> str:
@@ -98,6 +105,13 @@ SUITES: Final[Mapping[str, Suite]] = MappingProxyType(
             Suite("full", version=1, tasks=TASKS, episodes=100),
             Suite("robust", version=1, tasks=ROBUST_TASKS, episodes=20),
             Suite("contact", version=1, tasks=CONTACT_TASKS, episodes=20),
+            Suite(
+                "validation",
+                version=1,
+                tasks=VALIDATION_TASKS,
+                episodes=20,
+                seed=VALIDATION_SEED,
+            ),
         )
     }
 )

@@ -1,5 +1,7 @@
 """Seeds and plans."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -110,6 +112,21 @@ def test_conditions_of_a_suite_can_be_chosen() -> None:
         plan_suite(suite, ["a"], conditions=["contact goal"])
     with pytest.raises(InvalidOptionError, match="rope cable"):
         plan_suite(find_suite("quick"), ["a"], conditions=["rope cable"])
+
+
+def test_validation_shares_no_scene_with_tests_or_demonstrations() -> None:
+    suite = find_suite("validation")
+    plan = plan_suite(suite, ["a"])
+    assert plan.suite == suite.title
+    for job in plan.jobs():
+        env: Any = make_env(job.task).unwrapped
+        assert env.split == "train"
+    # Demonstrations take the seeds of base seed 0, more of them than anyone collects.
+    recorded = {episode_seed(0, task.env, i) for task in plan.tasks for i in range(20_000)}
+    assert not recorded & {job.seed for job in plan.jobs()}
+    assert {task.env for task in plan.tasks} == set(ENV_IDS)
+    assert plan_suite(suite, ["a"], seed=3).seed == 3
+    assert plan_suite(find_suite("quick"), ["a"]).seed == 0
 
 
 def test_every_task_of_every_suite_can_be_made() -> None:
