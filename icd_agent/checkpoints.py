@@ -24,21 +24,31 @@ ModelT = TypeVar("ModelT", bound=nn.Module)
 
 
 def save_checkpoint(
-    folder: Path, kind: str, model: nn.Module, config: object, about: dict[str, Any]
+    folder: Path,
+    kind: str,
+    model: nn.Module,
+    config: object,
+    about: dict[str, Any],
+    *,
+    half: bool = False,
 ) -> None:
     """Write a network; the config names the weights' sha256, so that the pair is checked.
 
     Args:
         folder: made if it is missing; files of the same names are replaced.
         kind: what the network is, e.g. ``field``.
-        model: its weights are saved in their own precision.
+        model: its weights are saved.
         config: frozen dataclass that the network is built from.
         about: how it was trained, for people.
+        half: save trained weights in half precision; buffers keep theirs. They are read back in the
+            network's own.
     """
     if not is_dataclass(config) or isinstance(config, type):
         raise TypeError(f"config must be a dataclass, got {config!r}")
     folder.mkdir(parents=True, exist_ok=True)
-    weights = save({name: x.detach().cpu().contiguous() for name, x in model.state_dict().items()})
+    values = {name: x.detach().cpu().contiguous() for name, x in model.state_dict().items()}
+    trained = {name for name, _ in model.named_parameters()} if half else set()
+    weights = save({name: x.half() if name in trained else x for name, x in values.items()})
     record = {
         "format": FORMAT,
         "kind": kind,

@@ -25,11 +25,13 @@ class Network:
         kind: name in its checkpoint.
         config: frozen dataclass that it is built from.
         make: makes it; its initial weights follow from the seed of the run.
+        half: save it in half precision.
     """
 
     kind: str
     config: DataclassInstance
     make: Callable[[], nn.Module]
+    half: bool = False
 
 
 def train_network(
@@ -59,5 +61,5 @@ def train_network(
     identity = {"network": asdict(network.config), "data": about}
     trained = train(network.make, loss, training, out, device=device, identity=identity, seen=seen)
     record = {"data": about, "training": asdict(training), "terms": trained.terms}
-    save_checkpoint(out, network.kind, trained.model, network.config, record)
+    save_checkpoint(out, network.kind, trained.model, network.config, record, half=network.half)
     return trained

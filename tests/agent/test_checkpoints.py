@@ -56,6 +56,21 @@ def test_network_survives_the_files(folder: Path) -> None:
     assert sorted(path.name for path in folder.iterdir()) == [CONFIG_NAME, WEIGHTS_NAME]
 
 
+def test_trained_weights_may_be_saved_in_half_precision(tmp_path: Path) -> None:
+    model = nn.BatchNorm1d(1000)
+    model.weight.data += torch.linspace(0.0, 1e-4, 1000)
+    model.running_mean += 1.0 + 1e-4  # type: ignore[operator]
+    sizes = {}
+    for half in (False, True):
+        save_checkpoint(tmp_path / str(half), "toy", model, Size(), {}, half=half)
+        sizes[half] = (tmp_path / str(half) / WEIGHTS_NAME).stat().st_size
+    loaded = load_checkpoint(tmp_path / "True", "toy", lambda config: nn.BatchNorm1d(1000))
+    assert loaded.weight.dtype == torch.float32
+    assert torch.equal(loaded.weight.data, model.weight.data.half().float())
+    assert torch.equal(loaded.running_mean, model.running_mean)  # type: ignore[arg-type]
+    assert sizes[False] - sizes[True] == pytest.approx(2 * 2000, abs=100)
+
+
 @pytest.mark.parametrize("name", [CONFIG_NAME, WEIGHTS_NAME])
 def test_missing_file_is_named(folder: Path, name: str) -> None:
     (folder / name).unlink()
