@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from benchmarks.training_progress import training
+from icd_agent.chain import Features
 from icd_agent.checkpoints import weights_sha256
+from icd_agent.field.field import SceneField
 from icd_agent.field.space import exact_features
 from icd_agent.field.train import KIND as FIELD
 from icd_agent.field.train import load_field
-from icd_agent.scene_tokens import scene_tokens
+from icd_agent.scene_points import placed_in
+from icd_agent.scene_tokens import SceneTokens, scene_tokens
 from icd_agent.states import States, describe_states
 from icd_agent.weights import shipped_folder
+from icd_envs.api import Float32Array, FloatArray
 from icd_envs.demonstrations import Demonstrations
 from icd_envs.errors import DemonstrationsError
 
@@ -54,16 +60,59 @@ def describe(env_id: str, data: Path, field: Path | None, episodes: int) -> Desc
     Raises:
         IcdError: missing, damaged or unfitting demonstrations or weights.
     """
+
+    def descriptors(network: SceneField, scene: Float32Array) -> tuple[Features, SceneTokens]:
+        return exact_features(network, scene), scene_tokens(network, scene)
+
+    return _describe(env_id, data, field, episodes, descriptors, "descriptors")
+
+
+def describe_places(env_id: str, data: Path, field: Path | None, episodes: int) -> Described:
+    """The same with places of the object's points, in the frame that their episode begins in.
+
+    Args:
+        env_id: what the demonstrations must be of.
+        data: folder of the demonstrations.
+        field: folder of the field, which describes scenes; None is the package's.
+        episodes: how many are used, at most.
+
+    Raises:
+        IcdError: missing, damaged or unfitting demonstrations or weights.
+    """
+
+    def places(network: SceneField, scene: Float32Array) -> tuple[Features, SceneTokens]:
+        tokens = scene_tokens(network, scene)
+
+        def features(clouds: FloatArray) -> FloatArray:
+            return placed_in(tokens.frame(clouds[0].mean(axis=0)))(clouds)
+
+        return features, tokens
+
+    states, about = _describe(env_id, data, field, episodes, places, "places")
+    begun = states.middle[states.first[states.episode]]
+    return Described(states._replace(middle=begun), about)
+
+
+def _describe(
+    env_id: str,
+    data: Path,
+    field: Path | None,
+    episodes: int,
+    look: Callable[[SceneField, Float32Array], tuple[Features, SceneTokens]],
+    kind: Literal["descriptors", "places"],
+) -> Described:
     demonstrations = read_demonstrations(env_id, data)
     folder = shipped_folder(env_id, FIELD) if field is None else field
     network, weights = load_field(folder), weights_sha256(folder)
     count = min(episodes, len(demonstrations))
-    with training("descriptors of recorded states, by episode", count) as seen:
+    space = weights if kind == "descriptors" else f"{kind}-{weights}"
+    name = space.replace(weights, weights[:8])
+    with training(f"{kind} of recorded states, by episode", count) as seen:
         states = describe_states(
             demonstrations,
-            lambda scene: (exact_features(network, scene), scene_tokens(network, scene)),
-            data.with_name(f"{data.name}-{count}-{weights[:8]}"),
-            space=weights,
+            partial(look, network),
+            data.with_name(f"{data.name}-{count}-{name}"),
+            space=space,
             episodes=count,
             seen=lambda done: seen(done, {}),
         )

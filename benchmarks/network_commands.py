@@ -90,7 +90,7 @@ def train_field(
             usual.steps if steps is None else steps,
         )
         values = train(env, data, out, scope, scales, device=device, scenes=scenes, seed=seed)
-        _say(values, as_json)
+        say(values, as_json)
 
 
 @GROUPS["train"].command("latent")
@@ -112,7 +112,7 @@ def train_latent(
         values = latent(
             env, data, out, field=field, device=device, steps=steps, episodes=episodes, seed=seed
         )
-        _say(values, as_json)
+        say(values, as_json)
 
 
 @GROUPS["train"].command("diffusion")
@@ -143,7 +143,7 @@ def train_diffusion(
             episodes=episodes,
             seed=seed,
         )
-        _say(values, as_json)
+        say(values, as_json)
 
 
 @GROUPS["train"].command("bank")
@@ -161,7 +161,7 @@ def train_bank(
         from benchmarks.train_bank import bank
 
         values = bank(env, data, out, field=field, latent=latent, episodes=episodes)
-        _say(values, as_json)
+        say(values, as_json)
 
 
 @GROUPS["diagnose"].command("field")
@@ -177,7 +177,7 @@ def diagnose_field(
         from benchmarks.diagnose_field import diagnose
 
         values = diagnose(env, scenes, seed=seed, weights=weights)
-        _say(values, as_json)
+        say(values, as_json)
 
 
 @GROUPS["diagnose"].command("latent")
@@ -193,7 +193,7 @@ def diagnose_latent(
     with errors_in_one_line():
         from benchmarks.diagnose_latent import diagnose
 
-        _say(diagnose(env, scenes, seed=seed, field=field, weights=weights), as_json)
+        say(diagnose(env, scenes, seed=seed, field=field, weights=weights), as_json)
 
 
 @GROUPS["diagnose"].command("diffusion")
@@ -211,7 +211,7 @@ def diagnose_diffusion(
         from benchmarks.diagnose_diffusion import diagnose
 
         values = diagnose(env, scenes, seed=seed, field=field, latent=latent, weights=weights)
-        _say(values, as_json)
+        say(values, as_json)
 
 
 @GROUPS["render"].command("field")
@@ -259,7 +259,8 @@ def render_episode(
         render(agent, env, out, seed=seed)
 
 
-def _say(values: Values, as_json: bool) -> None:
+def say(values: Values, as_json: bool) -> None:
+    """Print what a command found."""
     if as_json:
         typer.echo(json.dumps(values))
         return

@@ -25,10 +25,12 @@ class Placed(NamedTuple):
         here: features in the present scene; quick, for many clouds at once.
         goal: features in the scene that the goal was specified in; the same except in the
             adaptation tasks, and may be slow.
+        back: clouds (..., N, 3) [m] of features (..., N, D), where features are places; else None.
     """
 
     here: Features
     goal: Features
+    back: Features | None = None
 
 
 class CostSpace(Protocol):
@@ -106,7 +108,7 @@ class PointSpace:
 
     def place(self, observation: Observation) -> Placed:
         """Clouds are their own features, wherever they are."""
-        return Placed(_unchanged, _unchanged)
+        return Placed(_unchanged, _unchanged, _unchanged)
 
 
 def _unchanged(points: FloatArray) -> FloatArray:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol
+from typing import Literal, NamedTuple, Protocol
 
 import numpy as np
 import torch
@@ -50,17 +50,25 @@ class DiffusedSource:
 
     needs_oracle = False
 
-    def __init__(self, field: SceneField, latent: LatentModel, generator: ChainGenerator) -> None:
+    def __init__(
+        self,
+        field: SceneField,
+        latent: LatentModel,
+        generator: ChainGenerator,
+        seen_from: Literal["now", "start"] = "now",
+    ) -> None:
         """Put together; all in evaluation mode, and trained on one another.
 
         Args:
             field: describes the scene.
             latent: encodes and decodes features of the cost space.
             generator: finds chains of its latents.
+            seen_from: where the object is when the scene is looked at, as in training.
         """
         self._field = field
         self._latent = latent
         self._generator = generator
+        self._seen_from = seen_from
         self._tokens: SceneTokens | None = None
         self._last: _Asked | None = None
 
@@ -72,6 +80,7 @@ class DiffusedSource:
         Now itself is not one of them.
         """
         self._tokens = self._look(observation)
+        self._start = observation["achieved_goal"].mean(axis=0)
         return self._decode(self._generate(episode, observation, space, rng), space)
 
     def again(
@@ -106,7 +115,8 @@ class DiffusedSource:
         latents = encode(self._latent, features, canonical)
         foreign = not np.array_equal(observation["scene"], observation["goal_scene"])
         assert self._tokens is not None
-        tokens, middle = self._tokens, now.mean(axis=0)
+        tokens = self._tokens
+        middle = now.mean(axis=0) if self._seen_from == "now" else self._start
         frame = goal_frame = tokens.frame(middle)
         code, inpaint = self._generator.code, self._generator.config.inpaint_goal
         if foreign and inpaint:  # as if it were of the present scene
@@ -123,7 +133,9 @@ class DiffusedSource:
 
     def _decode(self, asked: _Asked, space: Placed) -> Subgoals:
         found, config = asked.found, self._generator.config
-        clouds = None if found.clouds is None else asked.frame.back(found.clouds.numpy())
+        clouds: FloatArray | None = None
+        if found.clouds is not None:
+            clouds = asked.frame.back(found.clouds.numpy())
         if clouds is None or not config.ask_field:
             features = decode(self._latent, found.latents, asked.canonical)
         else:
@@ -132,6 +144,8 @@ class DiffusedSource:
             features[-1] = asked.goal  # better known than can be generated
         if not asked.task.foreign and clouds is not None:
             clouds[-1] = asked.wanted
+        if clouds is None and space.back is not None:
+            clouds = space.back(features)
         self._last = asked
         return Subgoals(features[1:], None if clouds is None else clouds[1:], features[0])
 

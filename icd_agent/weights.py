@@ -11,6 +11,10 @@ from icd_envs.errors import CheckpointError, unknown_name
 
 GLOBAL_FIELD: Final = "global-field"
 """Part that only the baseline Global NDF needs; the others are named by kind of network."""
+SUBGOAL_DIFFUSER: Final = "subgoal-diffuser"
+"""Part with the autoencoder and the denoiser of the baseline of that name."""
+DIFFUSION_POLICY: Final = "diffusion-policy"
+DP3: Final = "dp3"
 FOLDER: Final = Path(__file__).parent / "shipped"
 
 TRAINED_FOR: Final[Mapping[str, str]] = MappingProxyType(

@@ -32,7 +32,8 @@ class SubgoalCode(nn.Module):
 
         Args:
             config: sizes.
-            places: components of object clouds (N, 3) in frames of their scenes.
+            places: components of object clouds (N, 3) in frames of their scenes; None also if
+                there are no places.
         """
         super().__init__()
         self.latent = config.latent
@@ -71,8 +72,10 @@ class SubgoalCode(nn.Module):
         """(..., Z) of vectors (..., Z + Q)."""
         return (vectors * self.deviation + self.mean)[..., : self.latent]
 
-    def clouds(self, vectors: Tensor) -> Tensor:
-        """(..., N, 3) [m] in the scene's frame, of vectors (..., Z + Q)."""
+    def clouds(self, vectors: Tensor) -> Tensor | None:
+        """(..., N, 3) [m] in the scene's frame, of vectors (..., Z + Q); None without places."""
+        if not len(self.components):
+            return None
         numbers = (vectors * self.deviation + self.mean)[..., self.latent :]
         flat = numbers @ self.components.flatten(1) * self.scale
         return flat.view(*flat.shape[:-1], *self.cloud.shape) + self.cloud

@@ -21,7 +21,7 @@ class DiffusionConfig:
         scene_features: numbers per scene token, its place left out.
         points: N, of the object.
         scene_tokens: how many of a scene's tokens are read: the first ones.
-        places: Q, numbers by which a cloud of these points is generated.
+        places: Q, numbers by which a cloud of these points is generated; 0 is not at all.
         memory: numbers by which a scene token and the goal enter the attention.
         width: of the Transformer.
         layers: of the Transformer.
@@ -55,8 +55,10 @@ class DiffusionConfig:
         """
         for field in fields(self):
             value = getattr(self, field.name)
-            if field.type == "int":
+            if field.type == "int" and field.name != "places":
                 require(is_count(value), field.name, value, "an integer >= 1")
+        none = self.places == 0 and type(self.places) is int
+        require(none or is_count(self.places), "places", self.places, "an integer >= 0")
         require(is_positive(self.scene_size), "scene_size", self.scene_size, "a number > 0")
         require(self.width % (2 * self.heads) == 0, "width", self.width, "a multiple of 2 x heads")
 

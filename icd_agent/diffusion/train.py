@@ -43,6 +43,7 @@ def train_diffusion(
     *,
     about: dict[str, Any],
     device: str = "cpu",
+    half: bool = False,
     seen: Seen = lambda step, terms: None,
 ) -> Trained:
     """Train, or go on with a killed run, and save the weights in ``out``.
@@ -55,6 +56,7 @@ def train_diffusion(
         out: folder of the run's state, its log and in the end its checkpoint.
         about: where the data come from; part of the run's identity and of the checkpoint.
         device: where to train.
+        half: save the weights in half precision.
         seen: shows progress.
 
     Raises:
@@ -78,7 +80,7 @@ def train_diffusion(
         )
 
     about = {**about, "episodes": len(states.success), "states": len(states.step)}
-    network = Network(KIND, config, lambda: Denoiser(config, code))
+    network = Network(KIND, config, lambda: Denoiser(config, code), half)
     return train_network(network, loss, training, out, about=about, device=device, seen=seen)
 
 
@@ -96,7 +98,7 @@ def fit_code(
     rows = states.draw(STATISTICS, rng)
     placed = states.frame(states.first[states.episode[rows]]).place(states.clouds[rows])
     clouds = placed.astype(np.float32)
-    code = SubgoalCode(config, principal(clouds, config.places))
+    code = SubgoalCode(config, principal(clouds, config.places) if config.places else None)
     code.fit(latents[torch.from_numpy(rows)], torch.from_numpy(clouds))
     return code
 

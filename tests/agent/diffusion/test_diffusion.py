@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
@@ -264,6 +265,7 @@ def test_a_killed_run_goes_on_to_the_same_weights(networks: Networks, tmp_path: 
         (ChainConfig, {"reachable": 0.0}),
         (DiffusionConfig, {"width": 50}),
         (DiffusionConfig, {"layers": 0}),
+        (DiffusionConfig, {"places": -1}),
     ],
 )
 def test_wrong_settings_are_refused(config: type, wrong: dict[str, float]) -> None:
@@ -289,6 +291,22 @@ def test_only_the_first_scene_tokens_are_read(networks: Networks) -> None:
     more = torch.cat([scene, torch.full((4, 5, scene.shape[-1]), 3.0)], dim=1)
     assert torch.equal(answer(more), answer(scene))
     assert not torch.equal(answer(scene + 1.0), answer(scene))
+
+
+def test_chains_may_have_no_places(networks: Networks, tmp_path: Path) -> None:
+    states, config = toy_states(5), dataclasses.replace(SMALL, places=0)
+    training = TrainingConfig(steps=3, log_every=1)
+    trained = train_diffusion(states, networks.latent, config, training, tmp_path, about={})
+    assert trained.terms["places"] == 0.0
+    assert trained.terms["loss"] == trained.terms["latents"] > 0
+    denoiser = load_diffusion(tmp_path)
+    given = task(networks)
+    wanted = given._replace(now=given.now[:8], goal=given.goal[:8])
+    found = Generator(denoiser, networks.latent, ChainConfig(chains=2)).generate(
+        wanted, np.random.default_rng(0)
+    )
+    assert found.clouds is None
+    assert found.latents.shape == (LONGEST, 8)
 
 
 def test_a_code_keeps_latents_and_places(networks: Networks) -> None:

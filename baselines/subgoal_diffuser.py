@@ -1,0 +1,54 @@
+"""Subgoal Diffuser: ICD's chains of subgoals and its tracker, with places instead of contacts.
+
+The paper's baseline (section V-B, after Huang et al., ICRA 2024): the same latent diffusion on
+object clouds, the same planner, distances in metres.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from icd_agent.agent import PRESETS, best_preset
+from icd_agent.diffused import DiffusedSource
+from icd_agent.diffusion.generate import Generator
+from icd_agent.diffusion.train import KIND as DIFFUSION
+from icd_agent.diffusion.train import load_diffusion
+from icd_agent.field.train import KIND as FIELD
+from icd_agent.field.train import load_field
+from icd_agent.latent.train import KIND as LATENT
+from icd_agent.latent.train import load_latent
+from icd_agent.mppi.presets import preset
+from icd_agent.scene_points import ScenePoints
+from icd_agent.tracking import SubgoalTracker
+from icd_agent.weights import SUBGOAL_DIFFUSER, shipped_folder
+
+
+def make_subgoal_diffuser(env_id: str) -> SubgoalTracker:
+    """Build it with everything that helps ICD, the transfer of goals of other scenes included."""
+    return compose(env_id, shipped_folder(env_id, SUBGOAL_DIFFUSER), best_preset(env_id))
+
+
+def make_subgoal_diffuser_paper(env_id: str) -> SubgoalTracker:
+    """Build it as in the paper: one chain, the goal in-painted where it lies, white noise."""
+    return compose(env_id, shipped_folder(env_id, SUBGOAL_DIFFUSER), "paper")
+
+
+def compose(env_id: str, folder: Path, settings: str) -> SubgoalTracker:
+    """Put trained networks together.
+
+    Args:
+        env_id: whose field tells fixtures from the floor.
+        folder: of ``latent`` and ``diffusion``, as ``icd-bench train subgoal-diffuser`` leaves it.
+        settings: name of ICD's preset.
+
+    Raises:
+        CheckpointError: missing or damaged weights.
+    """
+    chosen = PRESETS[settings]
+    field, latent = load_field(shipped_folder(env_id, FIELD)), load_latent(folder / LATENT)
+    chain = replace(chosen.chain, ask_field=False)
+    generator = Generator(load_diffusion(folder / DIFFUSION), latent, chain)
+    source = DiffusedSource(field, latent, generator, seen_from="start")
+    space = ScenePoints(field, "in place" if chain.inpaint_goal else "in its scene")
+    return SubgoalTracker(source, space, preset(chosen.mppi), chosen.tracker)

@@ -1,0 +1,87 @@
+"""``icd-bench train`` for the learned baselines."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Annotated
+
+import typer
+
+from benchmarks.console import AsJson, errors_in_one_line
+from benchmarks.network_commands import Data, Device, Env, Episodes, Out, Seed, Steps, say
+
+
+def train_subgoal_diffuser(
+    env: Env,
+    data: Data,
+    out: Out,
+    device: Device = "cpu",
+    latent_steps: Annotated[
+        int, typer.Option(min=1, help="Optimiser steps of the autoencoder.")
+    ] = 4000,
+    steps: Steps = 8000,
+    episodes: Episodes = 1500,
+    seed: Seed = 0,
+    as_json: AsJson = False,
+) -> None:
+    """Train the baseline Subgoal Diffuser: autoencoder and denoiser of object clouds."""
+    with errors_in_one_line():
+        from benchmarks.train_subgoal_diffuser import train
+
+        values = train(
+            env,
+            data,
+            out,
+            device=device,
+            latent_steps=latent_steps,
+            steps=steps,
+            episodes=episodes,
+            seed=seed,
+        )
+        say(values, as_json)
+
+
+def _policy_command(name: str) -> Callable[..., None]:
+    """Make the command that trains an action-chunk policy."""
+
+    def train_policy(
+        env: Env,
+        data: Data,
+        out: Out,
+        device: Device = "cpu",
+        steps: Steps = 20_000,
+        episodes: Episodes = 1500,
+        solved_only: Annotated[
+            bool, typer.Option(help="Imitate only episodes that solved their task.")
+        ] = False,
+        seed: Seed = 0,
+        as_json: AsJson = False,
+    ) -> None:
+        with errors_in_one_line():
+            from benchmarks.train_policy import train
+
+            values = train(
+                name,
+                env,
+                data,
+                out,
+                device=device,
+                steps=steps,
+                episodes=episodes,
+                solved_only=solved_only,
+                seed=seed,
+            )
+            say(values, as_json)
+
+    return train_policy
+
+
+def offer(train: typer.Typer) -> None:
+    """Add the commands to ``icd-bench train``."""
+    train.command("subgoal-diffuser")(train_subgoal_diffuser)
+    for name, paper_name in (
+        ("diffusion-policy", "Diffusion Policy"),
+        ("dp3", "3D Diffusion Policy"),
+    ):
+        help_text = f"Train the baseline {paper_name} on recorded actions."
+        train.command(name, help=help_text)(_policy_command(name))

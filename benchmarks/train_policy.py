@@ -1,0 +1,104 @@
+"""What ``icd-bench train diffusion-policy`` and ``train dp3`` do."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, Final
+
+from benchmarks.console import Values
+from benchmarks.described import read_demonstrations
+from benchmarks.training_progress import training
+from icd_agent.checkpoints import weights_sha256
+from icd_agent.field.train import KIND as FIELD
+from icd_agent.field.train import load_field
+from icd_agent.policy.config import PolicyConfig
+from icd_agent.policy.data import PolicyData
+from icd_agent.policy.look import Look
+from icd_agent.policy.train import train_policy
+from icd_agent.scene_tokens import SURFACE
+from icd_agent.training.config import TrainingConfig
+from icd_agent.training.device import check_device
+from icd_agent.weights import DIFFUSION_POLICY, DP3, shipped_folder
+
+KEY_POINTS: Final = 25
+POINTS: Final = 128
+"""Of each of four clouds: 512 in all."""
+LEARNING_RATE: Final = 3e-4
+
+
+def train(
+    name: str,
+    env_id: str,
+    data: Path,
+    out: Path,
+    *,
+    device: str,
+    steps: int,
+    episodes: int,
+    solved_only: bool,
+    seed: int,
+) -> Values:
+    """Train a policy on recorded actions, save.
+
+    Args:
+        name: ``diffusion-policy`` or ``dp3``.
+        env_id: what the demonstrations must be of.
+        data: folder of the demonstrations.
+        out: of the run.
+        device: where to train.
+        steps: optimiser steps in all.
+        episodes: how many are looked at, at most.
+        solved_only: imitate only those that solved their task.
+        seed: of initial weights and data.
+
+    Returns:
+        Names and values for the user.
+
+    Raises:
+        IcdError: unfitting data, unusable device, see also ``train_policy``.
+    """
+    check_device(device)
+    demonstrations = read_demonstrations(env_id, data)
+    header = demonstrations.header
+    about: dict[str, Any] = {
+        "env": env_id,
+        "options": dict(header.options),
+        "seed": header.seed,
+        "solved_only": solved_only,
+    }
+    field = None
+    if name == DIFFUSION_POLICY:
+        folder = shipped_folder(env_id, FIELD)
+        field, about["field"] = load_field(folder), weights_sha256(folder)
+    config = policy_config(name, 0 if field is None else field.config.descriptor)
+    windows = PolicyData(
+        demonstrations, Look(config, field), config, episodes=episodes, solved_only=solved_only
+    )
+    settings = TrainingConfig(
+        steps=steps, learning_rate=LEARNING_RATE, warmup=500, weight_decay=1e-6, seed=seed
+    )
+    with training(f"{name} of {env_id}", steps) as seen:
+        trained = train_policy(
+            windows, config, settings, out, about=about, device=device, seen=seen
+        )
+    parameters = sum(value.numel() for value in trained.model.parameters())
+    return {
+        "out": str(out),
+        "episodes": windows.episodes,
+        "parameters": parameters,
+        **trained.terms,
+    }
+
+
+def policy_config(name: str, scene_features: int) -> PolicyConfig:
+    """Sizes of the policy of that name.
+
+    Args:
+        name: ``diffusion-policy`` or ``dp3``.
+        scene_features: numbers by which the field describes a point; 0 without one.
+    """
+    if name == DP3:
+        return PolicyConfig(
+            "points", 0, POINTS, POINTS, prediction="sample", denoising_steps=10, eta=0.0
+        )
+    return PolicyConfig("key points", scene_features, KEY_POINTS, SURFACE)

@@ -1,0 +1,1 @@
+"""Policies that generate chunks of actions by diffusion: no planner, no simulator."""

@@ -1,0 +1,121 @@
+"""The agent of all action-chunk policies: generates actions, executes some, generates again."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from icd_agent.checkpoints import save_checkpoint
+from icd_agent.field.field import SceneField
+from icd_agent.field.train import KIND as FIELD
+from icd_agent.field.train import load_field
+from icd_agent.policy.encoders import Seen
+from icd_agent.policy.look import Look
+from icd_agent.policy.policy import KIND, ChunkPolicy, load_policy
+from icd_envs.api import Episode, Float32Array, FloatArray, Observation, PlanView
+from icd_envs.errors import EpisodeStateError
+
+NOT_BEGUN: Final = "act() before reset(): call reset(episode, seed) first"
+
+
+class ChunkAgent:
+    """A policy in receding horizon; it sees observations only.
+
+    Attributes:
+        needs_simulator: False.
+        needs_oracle: False.
+        policy: what acts.
+    """
+
+    needs_simulator = False
+    needs_oracle = False
+
+    def __init__(self, policy: ChunkPolicy, field: SceneField | None = None) -> None:
+        """Put together.
+
+        Args:
+            policy: in evaluation mode.
+            field: the one it was trained with; None for policies that see points.
+
+        Raises:
+            CheckpointError: they do not fit one another.
+        """
+        self.policy = policy
+        self._field = field
+        self._look = Look(policy.config, field)
+        self._rng: np.random.Generator | None = None
+
+    @classmethod
+    def from_pretrained(cls, folder: str | Path) -> ChunkAgent:
+        """Load what ``save_pretrained`` has written.
+
+        Raises:
+            CheckpointError: missing or damaged weights.
+        """
+        policy = load_policy(Path(folder) / KIND)
+        needs_field = policy.config.sees == "key points"
+        return cls(policy, load_field(Path(folder) / FIELD) if needs_field else None)
+
+    def save_pretrained(self, folder: str | Path) -> None:
+        """Write the weights, for ``from_pretrained``; files of the same names are replaced."""
+        save_checkpoint(Path(folder) / KIND, KIND, self.policy, self.policy.config, {})
+        if self._field is not None:
+            save_checkpoint(Path(folder) / FIELD, FIELD, self._field, self._field.config, {})
+
+    def reset(self, episode: Episode, seed: int) -> None:
+        """Begin an episode; ``seed`` is the only source of randomness."""
+        self._rng = np.random.default_rng(seed)
+        self._scenes: tuple[Tensor, Tensor] | None = None
+        self._observed: list[tuple[FloatArray, FloatArray]] = []
+        self._ahead: list[Float32Array] = []
+
+    def act(self, observation: Observation) -> Float32Array:
+        """Return an action, (3,) in [-1, 1].
+
+        Args:
+            observation: the present one; scenes are looked at once an episode.
+
+        Raises:
+            EpisodeStateError: before ``reset``.
+        """
+        if self._rng is None:
+            raise EpisodeStateError(NOT_BEGUN)
+        if self._scenes is None:
+            self._scenes = self._look_at(observation)
+        config = self.policy.config
+        now = observation["observation"][:3].copy(), self._look.object(observation["achieved_goal"])
+        self._observed = [*(self._observed or [now] * config.observed), now][-config.observed :]
+        if not self._ahead:
+            chunk = self.policy.sample(self._seen(observation), self._rng)[0]
+            first = config.observed - 1
+            self._ahead = list(chunk[first : first + config.executed])
+        self._plan = np.stack(self._ahead)
+        return self._ahead.pop(0)
+
+    def plan_view(self) -> PlanView | None:
+        """The actions of the last chunk that had not been executed; None before the first."""
+        if self._rng is None or not self._observed:
+            return None
+        return PlanView(actions=self._plan)
+
+    def _look_at(self, observation: Observation) -> tuple[Tensor, Tensor]:
+        mask = observation.get("scene_mask")
+        scene = observation["scene"]
+        here = self._look.scene(scene if mask is None else scene[np.asarray(mask) > 0])
+        there = self._look.scene(observation["goal_scene"])
+        return torch.from_numpy(here)[None], torch.from_numpy(there)[None]
+
+    def _seen(self, observation: Observation) -> Seen:
+        assert self._scenes is not None
+        grippers, clouds = zip(*self._observed, strict=True)
+        goal = self._look.object(observation["desired_goal"])
+        return Seen(
+            torch.from_numpy(np.stack(grippers))[None],
+            torch.from_numpy(np.stack(clouds))[None],
+            torch.from_numpy(goal)[None],
+            *self._scenes,
+        )

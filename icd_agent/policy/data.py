@@ -1,0 +1,136 @@
+"""Windows of recorded episodes: what was seen, and the actions that followed."""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from icd_agent.options import require
+from icd_agent.policy.config import PolicyConfig
+from icd_agent.policy.encoders import Seen
+from icd_agent.policy.look import Look
+from icd_envs.api import Float32Array
+from icd_envs.demonstrations import Demonstrations
+
+FOREIGN: Final = 0.4
+"""Share of windows whose goal is that of another scene, as in the training of ICD's chains."""
+
+
+class Windows(NamedTuple):
+    """A batch.
+
+    Attributes:
+        seen: what was seen [m].
+        actions: (B, H, 3) in [-1, 1], the first for the oldest observation; 0 after the end.
+    """
+
+    seen: Seen
+    actions: Tensor
+
+
+class PolicyData:
+    """Recorded episodes, the last state of each as its goal: whatever was done was wanted.
+
+    Attributes:
+        limits: (3,) [m] each, smallest and largest places.
+        episodes: how many there are.
+        steps: control steps in all.
+    """
+
+    def __init__(
+        self,
+        demonstrations: Demonstrations,
+        look: Look,
+        config: PolicyConfig,
+        *,
+        episodes: int,
+        solved_only: bool,
+    ) -> None:
+        """Look at every scene once.
+
+        Args:
+            demonstrations: states and actions.
+            look: thins clouds.
+            config: of the policy.
+            episodes: the first so many are looked at.
+            solved_only: use those that solved their task.
+
+        Raises:
+            InvalidOptionError: none did.
+        """
+        used = np.arange(min(episodes, len(demonstrations)))
+        if solved_only:
+            used = used[demonstrations.success[used]]
+        require(len(used) > 0, "data", "no episode that solved its task", "others, or more of them")
+        self._demonstrations = demonstrations
+        self._look = look
+        self._config = config
+        self._used = used
+        self._scenes = np.stack([look.scene(demonstrations.scene(int(i)).cloud) for i in used])
+        self._end = np.cumsum(demonstrations.lengths[used])
+        self.episodes, self.steps = len(used), int(self._end[-1])
+        self._last = demonstrations.first_state[used + 1] - 1
+        self._goals = look.object(demonstrations.points(demonstrations.nodes[self._last]))
+        self._alike = self._rows_alike()
+        places = [
+            demonstrations.nodes.reshape(-1, 3),
+            demonstrations.gripper[:, :3],
+            self._scenes[..., :3].reshape(-1, 3),
+        ]
+        low = np.min([each.min(axis=0) for each in places], axis=0)
+        high = np.max([each.max(axis=0) for each in places], axis=0)
+        self.limits = torch.from_numpy(low), torch.from_numpy(high)
+
+    def draw(self, count: int, rng: np.random.Generator, device: str = "cpu") -> Windows:
+        """A batch of windows, every recorded step as likely.
+
+        Args:
+            count: B.
+            rng: source of every draw.
+            device: where the tensors go.
+        """
+        recorded, config = self._demonstrations, self._config
+        flat = rng.integers(self.steps, size=count)
+        i = np.searchsorted(self._end, flat, side="right")
+        episode = self._used[i]
+        step = flat - (self._end[i] - recorded.lengths[episode])
+        back = np.arange(1 - config.observed, 1)
+        states = recorded.first_state[episode][:, None] + np.maximum(step[:, None] + back, 0)
+        clouds = self._look.object(recorded.points(recorded.nodes[states.ravel()]))
+        goal = self._goals_of(i, rng)
+        seen = Seen(
+            _tensor(recorded.gripper[states, :3], device),
+            _tensor(clouds.reshape(*states.shape, *clouds.shape[1:]), device),
+            _tensor(self._goals[goal], device),
+            _tensor(self._scenes[i], device),
+            _tensor(self._scenes[goal], device),
+        )
+        ahead = step[:, None] + back[0] + np.arange(config.horizon)
+        last = recorded.lengths[episode][:, None]
+        rows = recorded.first_step[episode][:, None] + np.clip(ahead, 0, last - 1)
+        actions = np.where((ahead < last)[..., None], recorded.actions[rows], np.float32(0.0))
+        return Windows(seen, _tensor(actions, device))
+
+    def _goals_of(self, i: NDArray[np.int64], rng: np.random.Generator) -> NDArray[np.int64]:
+        """Whose last state is the goal: the episode's own, or one like it in another scene."""
+        foreign, share = rng.random(len(i)) < FOREIGN, rng.random(len(i))
+        goal = i.copy()
+        for row in np.flatnonzero(foreign):
+            like = self._alike[int(i[row])]
+            goal[row] = like[int(share[row] * len(like))]
+        return goal
+
+    def _rows_alike(self) -> list[NDArray[np.int64]]:
+        """For each episode, those that ended with the same parts of the task done."""
+        solved = self._demonstrations.solved[self._last]
+        _, kind = np.unique(solved, axis=0, return_inverse=True)
+        kinds = [np.flatnonzero(kind == each) for each in range(kind.max() + 1)]
+        return [kinds[each] for each in kind]
+
+
+def _tensor(values: Float32Array, device: str) -> Tensor:
+    return torch.from_numpy(np.ascontiguousarray(values, np.float32)).to(device)
