@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 from collections.abc import Callable
 from typing import Annotated
 
@@ -9,6 +10,7 @@ import typer
 
 from benchmarks.console import AsJson, errors_in_one_line
 from benchmarks.network_commands import Data, Device, Env, Episodes, Out, Seed, Steps, say
+from icd_envs.errors import InvalidOptionError
 
 
 def train_subgoal_diffuser(
@@ -76,9 +78,27 @@ def _policy_command(name: str) -> Callable[..., None]:
     return train_policy
 
 
+def train_sac_her(
+    env: Env,
+    out: Out,
+    device: Device = "cpu",
+    steps: Annotated[int, typer.Option(min=1, help="Control steps.")] = 100_000,
+    seed: Seed = 0,
+    as_json: AsJson = False,
+) -> None:
+    """Train the baseline SAC with hindsight, in training scenes; needs the extra [rl]."""
+    with errors_in_one_line():
+        if importlib.util.find_spec("stable_baselines3") is None:
+            raise InvalidOptionError("it needs pip install 'implicit-contact-diffuser[rl]'")
+        from benchmarks.train_sac import train
+
+        say(train(env, out, device=device, steps=steps, seed=seed), as_json)
+
+
 def offer(train: typer.Typer) -> None:
     """Add the commands to ``icd-bench train``."""
     train.command("subgoal-diffuser")(train_subgoal_diffuser)
+    train.command("sac-her")(train_sac_her)
     for name, paper_name in (
         ("diffusion-policy", "Diffusion Policy"),
         ("dp3", "3D Diffusion Policy"),

@@ -15,6 +15,7 @@ SUBGOAL_DIFFUSER: Final = "subgoal-diffuser"
 """Part with the autoencoder and the denoiser of the baseline of that name."""
 DIFFUSION_POLICY: Final = "diffusion-policy"
 DP3: Final = "dp3"
+SAC_HER: Final = "sac-her"
 FOLDER: Final = Path(__file__).parent / "shipped"
 
 TRAINED_FOR: Final[Mapping[str, str]] = MappingProxyType(

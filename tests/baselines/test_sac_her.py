@@ -1,0 +1,97 @@
+"""SAC with hindsight: our actor is Stable-Baselines3's, and its training goes on after a kill."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from pathlib import Path
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+import pytest
+import torch
+
+from baselines.sac_her import ActorAgent, ActorConfig, load_actor
+from benchmarks import train_sac
+from icd_envs.api import Agent
+from icd_envs.errors import CheckpointError, InvalidOptionError, TrainingError
+from icd_envs.wrappers import SubsamplePointCloud
+from tests.bench.test_cli import icd_bench
+from tests.envs.making import CABLE
+
+STEPS = 700
+TINY = ActorConfig(object_points=8, scene_points=8, point_widths=(8, 16), widths=(16,))
+
+
+@pytest.fixture
+def tiny(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(train_sac, "CONFIG", TINY)
+    monkeypatch.setattr(train_sac, "SAVE_EVERY", 350)
+
+
+def test_the_actor_acts_as_the_model_it_is_taken_from(tiny: None, tmp_path: Path) -> None:
+    env = SubsamplePointCloud(gym.make(CABLE), TINY.object_points, TINY.scene_points)
+    model = train_sac._make(env, 10, "cpu", seed=0)
+    with torch.no_grad():
+        for value in model.actor.parameters():
+            value += 0.1 * torch.randn(value.shape, generator=torch.Generator().manual_seed(0))
+    observation, _ = env.reset(seed=0)
+    agent = ActorAgent(train_sac.actor_of(model))
+    assert isinstance(agent, Agent)
+    for _ in range(3):
+        whole: Any = env.unwrapped
+        action = agent.act(whole.restore(whole.snapshot()))
+        expected, _ = model.predict(observation, deterministic=True)
+        np.testing.assert_allclose(action, expected, atol=1e-6)
+        assert np.abs(action).max() > 1e-3
+        observation, *_ = env.step(env.action_space.sample())
+    env.close()
+
+
+def test_training_leaves_an_actor_and_goes_on_after_a_kill(tiny: None, tmp_path: Path) -> None:
+    command = ("train", "sac-her", "--env", CABLE, "--out", tmp_path, "--json")
+    first = icd_bench(*command, "--steps", 350)
+    assert first.exit_code == 0, first.stderr
+    before = load_actor(tmp_path).state_dict()
+    more = icd_bench(*command, "--steps", STEPS)
+    assert more.exit_code == 0, more.stderr
+    assert json.loads(more.stdout)["steps"] == STEPS
+    state = torch.load(tmp_path / train_sac.STATE_NAME, weights_only=True)
+    assert state["step"] == STEPS
+    assert load_actor(tmp_path).config == TINY
+    assert before.keys() == load_actor(tmp_path).state_dict().keys()
+
+
+def test_another_runs_state_is_refused(tiny: None, tmp_path: Path) -> None:
+    command = ("train", "sac-her", "--env", CABLE, "--out", tmp_path, "--steps", 10)
+    assert icd_bench(*command).exit_code == 0
+    refused = icd_bench(*command, "--seed", 1)
+    assert refused.exit_code == 2
+    assert "choose another --out" in refused.stderr
+    (tmp_path / train_sac.STATE_NAME).write_bytes(b"nothing")
+    with pytest.raises(TrainingError, match="damaged"):
+        train_sac.train(CABLE, tmp_path, device="cpu", steps=20, seed=0)
+
+
+def test_what_it_learns_is_used_when_it_goes_on(tiny: None, tmp_path: Path) -> None:
+    train_sac.train(CABLE, tmp_path, device="cpu", steps=10, seed=0)
+    path = tmp_path / train_sac.STATE_NAME
+    state = torch.load(path, weights_only=True)
+    for name, value in state["parameters"]["policy"].items():
+        if name.startswith("actor.mu"):
+            value.fill_(0.25)
+    torch.save(state, path)
+    train_sac.train(CABLE, tmp_path, device="cpu", steps=10, seed=0)
+    assert torch.equal(load_actor(tmp_path).mean.bias.data, torch.full((3,), 0.25))
+
+
+@pytest.mark.parametrize("wrong", [{"object_points": 0}, {"widths": ()}, {"point_widths": (0,)}])
+def test_wrong_settings_are_refused(wrong: dict[str, Any]) -> None:
+    with pytest.raises(InvalidOptionError, match=next(iter(wrong))):
+        dataclasses.replace(TINY, **wrong)
+
+
+def test_missing_weights_are_named(tmp_path: Path) -> None:
+    with pytest.raises(CheckpointError, match=str(tmp_path)):
+        load_actor(tmp_path)
