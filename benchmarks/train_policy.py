@@ -101,4 +101,6 @@ def policy_config(name: str, scene_features: int) -> PolicyConfig:
         return PolicyConfig(
             "points", 0, POINTS, POINTS, prediction="sample", denoising_steps=10, eta=0.0
         )
-    return PolicyConfig("key points", scene_features, KEY_POINTS, SURFACE)
+    return PolicyConfig(
+        "key points", scene_features, KEY_POINTS, SURFACE, prediction="sample", eta=0.0
+    )
