@@ -1,0 +1,92 @@
+"""``icd-bench train`` for the learned baselines: from demonstrations to agents that act."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+import pytest
+
+from baselines.subgoal_diffuser import compose
+from icd_agent.field.train import KIND as FIELD
+from icd_agent.field.train import load_field
+from icd_agent.policy.agent import ChunkAgent
+from icd_agent.policy.policy import load_policy
+from icd_agent.weights import shipped_folder
+from tests.bench.test_cli import icd_bench
+from tests.envs.making import CABLE
+
+MOST_BYTES = 8_000_000
+
+
+@pytest.fixture(scope="module")
+def data(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("demonstrations") / "cable"
+    collect = ("collect", "--env", CABLE, "--episodes", 2, "--steps", 5, "--out", out)
+    assert icd_bench(*collect).exit_code == 0
+    return out
+
+
+def size(folder: Path) -> int:
+    return sum(path.stat().st_size for path in folder.rglob("model.safetensors"))
+
+
+def acts(agent: Any, *, simulator: bool) -> None:  # noqa: ANN401  any agent
+    env = gym.make(CABLE)
+    observation, _ = env.reset(seed=0)
+    unwrapped: Any = env.unwrapped
+    agent.reset(unwrapped.episode(simulator=simulator), seed=0)
+    assert np.abs(agent.act(observation)).max() <= 1
+    env.close()
+
+
+@pytest.mark.parametrize("name", ["diffusion-policy", "dp3"])
+def test_a_policy_is_trained_and_goes_on(data: Path, tmp_path: Path, name: str) -> None:
+    train = ("train", name, "--env", CABLE, "--data", data, "--out", tmp_path, "--json")
+    first = icd_bench(*train, "--steps", 2)
+    assert first.exit_code == 0, first.stderr
+    values = json.loads(first.stdout)
+    assert values["episodes"] == 2
+    assert values["loss"] > 0
+    before = (tmp_path / "model.safetensors").read_bytes()
+    assert icd_bench(*train, "--steps", 2).exit_code == 0
+    assert (tmp_path / "model.safetensors").read_bytes() == before
+    about = json.loads((tmp_path / "config.json").read_text())["about"]
+    assert about["data"]["solved_only"] is False
+    assert ("field" in about["data"]) == (name == "diffusion-policy")
+    assert size(tmp_path) < MOST_BYTES
+    field = load_field(shipped_folder(CABLE, FIELD)) if name == "diffusion-policy" else None
+    acts(ChunkAgent(load_policy(tmp_path), field), simulator=False)
+    # Five steps solve nothing, so that nothing is left to imitate.
+    refused = icd_bench(*train, "--steps", 2, "--solved-only")
+    assert refused.exit_code == 2
+    assert "solved its task" in refused.stderr
+
+
+def test_subgoal_diffuser_is_trained_and_goes_on(data: Path, tmp_path: Path) -> None:
+    steps = ("--latent-steps", 2, "--steps", 2)
+    train = ("train", "subgoal-diffuser", "--env", CABLE, "--data", data, "--out", tmp_path, *steps)
+    first = icd_bench(*train, "--json")
+    assert first.exit_code == 0, first.stderr
+    values = json.loads(first.stdout)
+    assert values["latent_recon"] > 0
+    assert values["loss"] > 0
+    assert values["places"] == 0
+    parts = [tmp_path / part / "model.safetensors" for part in ("latent", "diffusion")]
+    before = [part.read_bytes() for part in parts]
+    assert icd_bench(*train).exit_code == 0
+    assert [part.read_bytes() for part in parts] == before
+    assert size(tmp_path) < MOST_BYTES
+    acts(compose(CABLE, tmp_path, "improved"), simulator=True)
+
+
+def test_training_refuses_other_data_in_one_line(data: Path, tmp_path: Path) -> None:
+    for name in ("subgoal-diffuser", "diffusion-policy", "dp3"):
+        command = ("train", name, "--env", "ICDNotebookFolding-v0", "--data", data)
+        refused = icd_bench(*command, "--out", tmp_path / name)
+        assert refused.exit_code == 2
+        assert "holds demonstrations of ICDCableRouting-v0" in refused.stderr
+        assert not (tmp_path / name).exists()
