@@ -28,6 +28,8 @@ AGENTS: dict[str, str] = {
     "icd-paper": "baselines.icd:make_icd_paper",
     "ndf-mppi": "baselines.ndf_mppi:make_ndf_mppi",
     "global-ndf": "baselines.global_ndf:make_global_ndf",
+    "subgoal-diffuser": "baselines.subgoal_diffuser:make_subgoal_diffuser",
+    "subgoal-diffuser-paper": "baselines.subgoal_diffuser:make_subgoal_diffuser_paper",
     "ladder:oracle-points": "baselines.ladder:make_oracle_points",
     "ladder:oracle-descriptors": "baselines.ladder:make_oracle_descriptors",
     "ladder:vae": "baselines.ladder:make_vae",

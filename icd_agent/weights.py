@@ -42,10 +42,15 @@ def shipped_folder(env_id: str, part: str = "") -> Path:
         part: what they are of, e.g. ``field``; empty is the folder of all parts.
 
     Raises:
-        CheckpointError: none are shipped for this environment.
+        CheckpointError: none are shipped for this environment, or none of this part.
     """
     name = weights_name(env_id)
     if name is None:
         known = unknown_name("environment with shipped weights:", env_id, TRAINED_FOR)
         raise CheckpointError(f"{known}; train weights for it: icd-bench train --help")
-    return FOLDER / name / part
+    folder = FOLDER / name / part
+    if not folder.is_dir():
+        raise CheckpointError(
+            f"no weights of {part!r} are shipped for {env_id}: train them: icd-bench train --help"
+        )
+    return folder
