@@ -10,7 +10,6 @@ import typer
 
 from benchmarks.console import AsJson, errors_in_one_line
 from benchmarks.network_commands import Data, Device, Env, Episodes, Out, Seed, Steps, say
-from icd_envs.errors import InvalidOptionError
 
 
 def train_subgoal_diffuser(
@@ -88,6 +87,8 @@ def train_sac_her(
 ) -> None:
     """Train the baseline SAC with hindsight, in training scenes; needs the extra [rl]."""
     with errors_in_one_line():
+        from icd_envs.errors import InvalidOptionError
+
         if importlib.util.find_spec("stable_baselines3") is None:
             raise InvalidOptionError("it needs pip install 'implicit-contact-diffuser[rl]'")
         from benchmarks.train_sac import train
