@@ -100,4 +100,4 @@ class PointEncoder(nn.Module):
         which = points.new_zeros(KINDS)
         which[kind] = 1.0
         found: Tensor = self.point(torch.cat([points, which.expand(*points.shape[:-1], -1)], -1))
-        return found.amax(dim=-2)
+        return found.max(dim=-2).values
