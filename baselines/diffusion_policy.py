@@ -6,6 +6,8 @@ the descriptor field has it.
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from icd_agent.field.train import KIND as FIELD
 from icd_agent.field.train import load_field
 from icd_agent.policy.agent import ChunkAgent
@@ -13,7 +15,7 @@ from icd_agent.policy.policy import load_policy
 from icd_agent.weights import DIFFUSION_POLICY, shipped_folder
 
 
-def make_diffusion_policy(env_id: str) -> ChunkAgent:
-    """Build it with the weights of the package."""
-    field = load_field(shipped_folder(env_id, FIELD))
-    return ChunkAgent(load_policy(shipped_folder(env_id, DIFFUSION_POLICY)), field)
+def make_diffusion_policy(env_id: str, weights: Path | None = None) -> ChunkAgent:
+    """Build it, with the package's field."""
+    policy = load_policy(weights or shipped_folder(env_id, DIFFUSION_POLICY))
+    return ChunkAgent(policy, load_field(shipped_folder(env_id, FIELD)))

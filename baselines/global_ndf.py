@@ -5,15 +5,17 @@ The paper's row adds generated subgoals; until they are trained for it, the goal
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from icd_agent.chain import GoalSource
 from icd_agent.field.space import FieldSpace
+from icd_agent.field.train import load_field
 from icd_agent.mppi.presets import preset
 from icd_agent.tracking import SubgoalTracker
-from icd_agent.weights import GLOBAL_FIELD
+from icd_agent.weights import GLOBAL_FIELD, shipped_folder
 
 
-def make_global_ndf(env_id: str) -> SubgoalTracker:
+def make_global_ndf(env_id: str, weights: Path | None = None) -> SubgoalTracker:
     """Build the paper's baseline Global NDF, as far as it goes with the goal alone."""
-    return SubgoalTracker(
-        GoalSource(), FieldSpace.shipped(env_id, GLOBAL_FIELD), preset("adaptive")
-    )
+    space = FieldSpace(load_field(weights or shipped_folder(env_id, GLOBAL_FIELD)))
+    return SubgoalTracker(GoalSource(), space, preset("adaptive"))

@@ -132,6 +132,6 @@ def load_actor(folder: Path) -> Actor:
     return load_checkpoint(folder, KIND, make)
 
 
-def make_sac_her(env_id: str) -> ActorAgent:
-    """Build it with the weights of the package."""
-    return ActorAgent(load_actor(shipped_folder(env_id, SAC_HER)))
+def make_sac_her(env_id: str, weights: Path | None = None) -> ActorAgent:
+    """Build it."""
+    return ActorAgent(load_actor(weights or shipped_folder(env_id, SAC_HER)))

@@ -24,14 +24,14 @@ from icd_agent.tracking import SubgoalTracker
 from icd_agent.weights import SUBGOAL_DIFFUSER, shipped_folder
 
 
-def make_subgoal_diffuser(env_id: str) -> SubgoalTracker:
+def make_subgoal_diffuser(env_id: str, weights: Path | None = None) -> SubgoalTracker:
     """Build it with everything that helps ICD, the transfer of goals of other scenes included."""
-    return compose(env_id, shipped_folder(env_id, SUBGOAL_DIFFUSER), best_preset(env_id))
+    return compose(env_id, weights or _shipped(env_id), best_preset(env_id))
 
 
-def make_subgoal_diffuser_paper(env_id: str) -> SubgoalTracker:
+def make_subgoal_diffuser_paper(env_id: str, weights: Path | None = None) -> SubgoalTracker:
     """Build it as in the paper: one chain, the goal in-painted where it lies, white noise."""
-    return compose(env_id, shipped_folder(env_id, SUBGOAL_DIFFUSER), "paper")
+    return compose(env_id, weights or _shipped(env_id), "paper")
 
 
 def compose(env_id: str, folder: Path, settings: str) -> SubgoalTracker:
@@ -52,3 +52,7 @@ def compose(env_id: str, folder: Path, settings: str) -> SubgoalTracker:
     source = DiffusedSource(field, latent, generator, seen_from="start")
     space = ScenePoints(field, "in place" if chain.inpaint_goal else "in its scene")
     return SubgoalTracker(source, space, preset(chosen.mppi), chosen.tracker)
+
+
+def _shipped(env_id: str) -> Path:
+    return shipped_folder(env_id, SUBGOAL_DIFFUSER)

@@ -50,11 +50,14 @@ def _policy_command(name: str) -> Callable[..., None]:
         data: Data,
         out: Out,
         device: Device = "cpu",
-        steps: Steps = 20_000,
+        steps: Steps = 8000,
         episodes: Episodes = 1500,
         solved_only: Annotated[
-            bool, typer.Option(help="Imitate only episodes that solved their task.")
-        ] = False,
+            bool,
+            typer.Option(
+                "--solved-only/--all-episodes", help="Which recorded episodes are imitated."
+            ),
+        ] = True,
         seed: Seed = 0,
         as_json: AsJson = False,
     ) -> None:
@@ -81,7 +84,7 @@ def train_sac_her(
     env: Env,
     out: Out,
     device: Device = "cpu",
-    steps: Annotated[int, typer.Option(min=1, help="Control steps.")] = 100_000,
+    steps: Annotated[int, typer.Option(min=1, help="Control steps.")] = 60_000,
     seed: Seed = 0,
     as_json: AsJson = False,
 ) -> None:

@@ -25,6 +25,8 @@ _PACKAGES = (
 _FINGERPRINTED = ("icd_envs", "icd_agent", "baselines")
 _MISSING = "not installed"
 _SUFFIXES = (".py", ".json", ".safetensors", ".xml")
+WEIGHT_FILES = ("config.json", "model.safetensors")
+"""Of a trained network."""
 
 
 def cpu_count() -> int:
@@ -70,6 +72,12 @@ def code_fingerprint() -> str:
 def source_of_file(path: Path) -> str:
     """Name and hash of a file."""
     return f"{path.name} {_fingerprint([path], path.parent)}"
+
+
+def source_of_folder(folder: Path, names: Sequence[str]) -> str:
+    """Name of a folder, and a hash of the files of these names in and below it."""
+    files = [path for path in folder.rglob("*") if path.name in names]
+    return f"{folder.name} {_fingerprint(files, folder)}"
 
 
 def source_of_module(module: ModuleType, distribution: str = "") -> str:

@@ -14,7 +14,13 @@ from typing import Final
 from benchmarks.adapters import FunctionAgent
 from benchmarks.imports import is_there, load, load_module
 from benchmarks.plugins import Plugin, find_plugins
-from benchmarks.provenance import package_versions, source_of_file, source_of_module
+from benchmarks.provenance import (
+    WEIGHT_FILES,
+    package_versions,
+    source_of_file,
+    source_of_folder,
+    source_of_module,
+)
 from icd_envs.api import Agent
 from icd_envs.errors import InvalidOptionError, unknown_name
 
@@ -30,6 +36,7 @@ AGENTS: dict[str, str] = {
     "global-ndf": "baselines.global_ndf:make_global_ndf",
     "subgoal-diffuser": "baselines.subgoal_diffuser:make_subgoal_diffuser",
     "subgoal-diffuser-paper": "baselines.subgoal_diffuser:make_subgoal_diffuser_paper",
+    "diffusion-policy": "baselines.diffusion_policy:make_diffusion_policy",
     "ladder:oracle-points": "baselines.ladder:make_oracle_points",
     "ladder:oracle-descriptors": "baselines.ladder:make_oracle_descriptors",
     "ladder:vae": "baselines.ladder:make_vae",
@@ -43,6 +50,7 @@ AGENTS: dict[str, str] = {
     "ladder:transferred-descriptors": "baselines.ladder:make_transferred_descriptors",
 }
 FORMS: Final[dict[str, str]] = {
+    "name@folder": "an agent of the above with the weights in a folder, as training leaves them",
     "module:attr": "a class or factory",
     "file.py:attr": "the same in a file",
     "fn:module:attr": "a function observation -> action, of a module or file",
@@ -110,6 +118,8 @@ def agent_factory(name: str, *, trust_pickle: bool = False) -> AgentFactory:
             return _checked(load(AGENTS[name]))
         if plugin := _plugin(name):
             return _checked(load(plugin.entry_point.value))
+        if _own_weights(name):
+            return _with_weights(name)
         if form == "fn":
             return _function_agent(load(rest))
         if form == "sb3":
@@ -128,6 +138,8 @@ def origin(name: str) -> str:
         name: as for ``agent_factory``, which must have accepted it.
     """
     form, _, rest = name.partition(":")
+    if folder := _own_weights(name):
+        return source_of_folder(folder, WEIGHT_FILES)
     if form == "sb3":
         versions = package_versions(("stable-baselines3", "torch"))
         return ", ".join([source_of_file(Path(rest)), *map(" ".join, versions.items())])
@@ -137,9 +149,20 @@ def origin(name: str) -> str:
     return _source(rest if form == "fn" else name)
 
 
-def is_ours(name: str) -> bool:
-    """Whether the agent is part of this project, and needs no look at before it is run."""
-    return name in AGENTS
+def _own_weights(name: str) -> Path | None:
+    """The folder in ``name@folder``, if the name is one of ours."""
+    ours, _, folder = name.partition("@")
+    return Path(folder) if ours in AGENTS and folder else None
+
+
+def _with_weights(name: str) -> AgentFactory:
+    ours, _, folder = name.partition("@")
+    factory = _checked(load(AGENTS[ours]))
+    if "weights" not in inspect.signature(factory).parameters:
+        raise InvalidOptionError(f"{ours!r} has no weights: leave out @{folder}")
+    if not Path(folder).is_dir():
+        raise InvalidOptionError(f"{folder} is no folder: name what icd-bench train has written")
+    return partial(factory, weights=Path(folder))
 
 
 def _source(target: str, distribution: str = "") -> str:

@@ -11,7 +11,7 @@ from benchmarks.training_progress import training
 from icd_agent.checkpoints import weights_sha256
 from icd_agent.field.train import KIND as FIELD
 from icd_agent.field.train import load_field
-from icd_agent.policy.config import PolicyConfig
+from icd_agent.policy.config import PolicyConfig, Sees
 from icd_agent.policy.data import PolicyData
 from icd_agent.policy.look import Look
 from icd_agent.policy.train import train_policy
@@ -24,6 +24,8 @@ KEY_POINTS: Final = 25
 POINTS: Final = 128
 """Of each of four clouds: 512 in all."""
 LEARNING_RATE: Final = 3e-4
+TEMPERATURE: Final = 0.5
+"""Demonstrated actions are noisy; with all of that noise, policies run out of time."""
 
 
 def train(
@@ -97,10 +99,14 @@ def policy_config(name: str, scene_features: int) -> PolicyConfig:
         name: ``diffusion-policy`` or ``dp3``.
         scene_features: numbers by which the field describes a point; 0 without one.
     """
-    if name == DP3:
-        return PolicyConfig(
-            "points", 0, POINTS, POINTS, prediction="sample", denoising_steps=10, eta=0.0
-        )
+    sees: Sees = "points" if name == DP3 else "key points"
     return PolicyConfig(
-        "key points", scene_features, KEY_POINTS, SURFACE, prediction="sample", eta=0.0
+        sees,
+        scene_features,
+        POINTS if name == DP3 else KEY_POINTS,
+        POINTS if name == DP3 else SURFACE,
+        prediction="sample",
+        denoising_steps=10 if name == DP3 else 16,
+        eta=0.0,
+        temperature=TEMPERATURE,
     )

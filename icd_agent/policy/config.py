@@ -35,6 +35,8 @@ class PolicyConfig:
         denoising_steps: of DDIM, when acting.
         eta: share of fresh noise in each of these steps: 0 is DDIM, 1 as much as DDPM has.
         prediction: what the network is asked for.
+        temperature: standard deviation of the noise that a chunk begins as; below 1 the policy
+            keeps to likely actions, and leaves out the noise of those it was trained on.
     """
 
     sees: Sees
@@ -52,6 +54,7 @@ class PolicyConfig:
     denoising_steps: int = 16
     eta: float = 1.0
     prediction: Prediction = "epsilon"
+    temperature: float = 1.0
 
     def __post_init__(self) -> None:
         """Refuse values out of range.
@@ -76,6 +79,8 @@ class PolicyConfig:
         good = len(self.widths) >= 1 and all(is_count(w) and w % GROUPS == 0 for w in self.widths)
         require(good, "widths", self.widths, f"multiples of {GROUPS}")
         require(is_finite(self.eta) and 0 <= self.eta <= 1, "eta", self.eta, "a number in [0, 1]")
+        good = is_finite(self.temperature) and 0 <= self.temperature <= 1
+        require(good, "temperature", self.temperature, "a number in [0, 1]")
         require(self.kernel % 2 == 1, "kernel", self.kernel, "an odd integer")
         require(self.time_width % 2 == 0, "time_width", self.time_width, "an even integer")
         halved = 2 ** (len(self.widths) - 1)

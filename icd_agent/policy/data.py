@@ -65,7 +65,8 @@ class PolicyData:
         used = np.arange(min(episodes, len(demonstrations)))
         if solved_only:
             used = used[demonstrations.success[used]]
-        require(len(used) > 0, "data", "no episode that solved its task", "others, or more of them")
+        fix = "others, or more of them, or --all-episodes"
+        require(len(used) > 0, "data", "no episode that solved its task", fix)
         self._demonstrations = demonstrations
         self._look = look
         self._config = config

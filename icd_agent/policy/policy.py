@@ -76,7 +76,7 @@ class ChunkPolicy(nn.Module):
         def noise() -> Tensor:
             return torch.from_numpy(rng.normal(size=shape).astype(np.float32))
 
-        values = noise()
+        values = self.config.temperature * noise()
         for time in schedule.timesteps:
             predicted = self(values, time.expand(len(values)), condition)
             values = schedule.step(

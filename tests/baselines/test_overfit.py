@@ -49,7 +49,7 @@ def test_it_solves_the_scenes_of_clean_episodes_that_it_has_learned(
     config = policy_config(name, 0 if field is None else field.config.descriptor)
     look = Look(config, field)
     data = PolicyData(recorded, look, config, episodes=EPISODES, solved_only=False)
-    training = TrainingConfig(steps=1500, learning_rate=1e-3, weight_decay=1e-6)
+    training = TrainingConfig(steps=1000, learning_rate=1e-3, weight_decay=1e-6)
     train_policy(data, config, training, tmp_path / "policy", about={})
     agent = ChunkAgent(load_policy(tmp_path / "policy"), field)
     env = gym.make(env_id, split="train")

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import copy
 import dataclasses
+import shutil
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,19 +16,15 @@ from benchmarks.registry import AGENTS, Offer, make_agent
 from icd_agent.field.baked import BakeConfig
 from icd_agent.field.space import FieldSpace
 from icd_agent.tracking import SubgoalTracker
-from icd_agent.weights import weights_name
+from icd_agent.weights import FOLDER, weights_name
 from icd_envs import ENV_IDS
 from icd_envs.api import Agent, Episode, FloatArray, SimState
-from icd_envs.errors import CheckpointError
 from icd_envs.tasks.env import ContactEnv
 from tests.envs.making import global_random_state, make, seed_everything
 
 STEPS = 3
-UNTRAINED = {
-    ("subgoal-diffuser", "notebook-folding"),
-    ("subgoal-diffuser-paper", "notebook-folding"),
-}
-"""Agents without weights for a task yet; they must say so, and nothing else is asked of them."""
+TRAINED = ("icd", "subgoal-diffuser", "diffusion-policy")
+"""Agents that live by weights of their own; those built like them are left out for their time."""
 
 
 @pytest.fixture(scope="module", params=ENV_IDS)
@@ -44,12 +42,12 @@ def start(env: ContactEnv[Any]) -> SimState:
 
 @pytest.fixture(params=AGENTS)
 def agent(request: pytest.FixtureRequest, env: ContactEnv[Any]) -> Agent:
-    """Every agent, planners with few samples and coarse grids."""
-    if (request.param, weights_name(env.task.env_id)) in UNTRAINED:
-        with pytest.raises(CheckpointError, match="no weights of 'subgoal-diffuser'"):
-            make_agent(request.param, Offer(env.task.env_id))
-        pytest.skip("no weights for this task yet")
-    agent = make_agent(request.param, Offer(env.task.env_id))
+    """Every agent."""
+    return hurried(make_agent(request.param, Offer(env.task.env_id)))
+
+
+def hurried(agent: Agent) -> Agent:
+    """Planners get few samples and coarse grids."""
     tracker = getattr(agent, "tracker", agent)
     if isinstance(tracker, SubgoalTracker):
         tracker.mppi_config = dataclasses.replace(tracker.mppi_config, samples=5, horizon=3)
@@ -101,3 +99,18 @@ def test_actions_lie_in_the_box_and_what_was_observed_is_left_alone(
     assert np.abs(action).max() <= 1.0
     np.testing.assert_equal(observation, before)
     assert env.snapshot().physics.tobytes() == start.physics.tobytes()
+
+
+@pytest.mark.parametrize("name", TRAINED)
+def test_weights_of_a_folder_act_as_those_of_the_package(
+    env: ContactEnv[Any], start: SimState, name: str, tmp_path: Path
+) -> None:
+    env_id = env.task.env_id
+    shipped = FOLDER / str(weights_name(env_id))
+    there = tmp_path / "weights"
+    shutil.copytree(shipped if name == "icd" else shipped / name, there)
+    actions = [
+        acted(hurried(make_agent(asked, Offer(env_id))), env, start, seed=1)
+        for asked in (name, f"{name}@{there}")
+    ]
+    assert actions[0] == actions[1]

@@ -164,6 +164,18 @@ def test_a_sample_follows_from_its_generator_only() -> None:
     assert not np.array_equal(first, other)
 
 
+def test_a_low_temperature_keeps_to_what_is_likely() -> None:
+    def spread(temperature: float) -> float:
+        config = dataclasses.replace(POINTS, prediction="sample", eta=0.0, temperature=temperature)
+        policy = made(ChunkPolicy(config, (-torch.ones(3), torch.ones(3))))
+        seen = random_seen(config)
+        found = [policy.sample(seen, np.random.default_rng(seed)) for seed in range(8)]
+        return float(np.ptp(found, axis=0).mean())
+
+    assert spread(0.0) == 0.0
+    assert 0.0 < spread(0.5) < spread(1.0)
+
+
 def test_places_enter_between_the_limits() -> None:
     limits = torch.tensor([-1.0, 0.0, 2.0]), torch.tensor([1.0, 4.0, 3.0])
     policy = ChunkPolicy(POINTS, limits)
