@@ -37,6 +37,8 @@ AGENTS: dict[str, str] = {
     "subgoal-diffuser": "baselines.subgoal_diffuser:make_subgoal_diffuser",
     "subgoal-diffuser-paper": "baselines.subgoal_diffuser:make_subgoal_diffuser_paper",
     "diffusion-policy": "baselines.diffusion_policy:make_diffusion_policy",
+    "dp3": "baselines.dp3:make_dp3",
+    "sac-her": "baselines.sac_her:make_sac_her",
     "ladder:oracle-points": "baselines.ladder:make_oracle_points",
     "ladder:oracle-descriptors": "baselines.ladder:make_oracle_descriptors",
     "ladder:vae": "baselines.ladder:make_vae",

@@ -1,13 +1,18 @@
 """Names of agents and environments."""
 
+import re
+import shutil
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from baselines.sac_her import ActorAgent, load_actor
 from benchmarks import registry
 from benchmarks.registry import Offer
-from icd_envs.errors import InvalidOptionError
+from icd_agent.weights import SAC_HER, shipped_folder
+from icd_envs.errors import CheckpointError, InvalidOptionError
 from tests.bench import toy
 
 OFFER = Offer("E-v0", device="cuda:1")
@@ -39,6 +44,39 @@ def test_file_attr_finds_them_in_a_file_beside_its_own_helpers(folder: Path) -> 
     assert isinstance(made(f"{file}:Nested.Agent"), toy.Drunk)
     with pytest.raises(InvalidOptionError, match="unknown agent"):
         made(f"{folder / 'nothing.py'}:Drunk")
+
+
+def test_an_agent_of_ours_takes_the_weights_of_a_folder(tmp_path: Path) -> None:
+    shipped = shipped_folder("ICDCableRouting-v0", SAC_HER)
+    mine = tmp_path / "runs" / "sac@home"
+    shutil.copytree(shipped, mine)
+    name = f"sac-her@{mine}"
+    agent = made(name)
+    assert isinstance(agent, ActorAgent)
+    kept = agent.actor.mean.weight.detach().numpy()
+    np.testing.assert_array_equal(kept, load_actor(shipped).mean.weight.detach().numpy())
+    before = registry.origin(name)
+    assert before.startswith("sac@home sha256:")
+    (mine / "training.jsonl").write_text("of no consequence")
+    assert registry.origin(name) == before
+    (mine / "config.json").write_text("{}")
+    assert registry.origin(name) != before
+    with pytest.raises(CheckpointError, match=r"config\.json"):
+        made(name)
+
+
+@pytest.mark.parametrize(
+    ("name", "problem"),
+    [
+        ("sac-her@nowhere", "nowhere is no folder: name what icd-bench train has written"),
+        ("pc-mppi@runs", "'pc-mppi' has no weights: leave out @runs"),
+        ("nobody@runs", "unknown agent 'nobody@runs'"),
+        ("sac-her@", "unknown agent 'sac-her@'"),
+    ],
+)
+def test_weights_that_cannot_be_used_are_named(name: str, problem: str) -> None:
+    with pytest.raises(InvalidOptionError, match=re.escape(problem)):
+        made(name)
 
 
 def test_function_becomes_an_agent(folder: Path) -> None:

@@ -23,7 +23,7 @@ from icd_envs.tasks.env import ContactEnv
 from tests.envs.making import global_random_state, make, seed_everything
 
 STEPS = 3
-TRAINED = ("icd", "subgoal-diffuser", "diffusion-policy")
+TRAINED = ("icd", "subgoal-diffuser", "diffusion-policy", "dp3", "sac-her")
 """Agents that live by weights of their own; those built like them are left out for their time."""
 
 
