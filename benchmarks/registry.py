@@ -120,8 +120,8 @@ def agent_factory(name: str, *, trust_pickle: bool = False) -> AgentFactory:
             return _checked(load(AGENTS[name]))
         if plugin := _plugin(name):
             return _checked(load(plugin.entry_point.value))
-        if _own_weights(name):
-            return _with_weights(name)
+        if folder := _own_weights(name):
+            return _with_weights(name.partition("@")[0], folder)
         if form == "fn":
             return _function_agent(load(rest))
         if form == "sb3":
@@ -157,14 +157,13 @@ def _own_weights(name: str) -> Path | None:
     return Path(folder) if ours in AGENTS and folder else None
 
 
-def _with_weights(name: str) -> AgentFactory:
-    ours, _, folder = name.partition("@")
+def _with_weights(ours: str, folder: Path) -> AgentFactory:
     factory = _checked(load(AGENTS[ours]))
     if "weights" not in inspect.signature(factory).parameters:
         raise InvalidOptionError(f"{ours!r} has no weights: leave out @{folder}")
-    if not Path(folder).is_dir():
+    if not folder.is_dir():
         raise InvalidOptionError(f"{folder} is no folder: name what icd-bench train has written")
-    return partial(factory, weights=Path(folder))
+    return partial(factory, weights=folder)
 
 
 def _source(target: str, distribution: str = "") -> str:

@@ -27,17 +27,16 @@ class FieldSpace:
         self.bake = bake
 
     @classmethod
-    def shipped(cls, env_id: str, part: str = KIND) -> FieldSpace:
+    def shipped(cls, env_id: str) -> FieldSpace:
         """With the weights that come with the package for this environment.
 
         Args:
             env_id: id of the environment.
-            part: which field, e.g. ``GLOBAL_FIELD``.
 
         Raises:
             CheckpointError: there are none, or they are damaged.
         """
-        return cls(load_field(shipped_folder(env_id, part)))
+        return cls(load_field(shipped_folder(env_id, KIND)))
 
     def place(self, observation: Observation) -> Placed:
         """Bake the present scene; the goal's, if it is another, is asked exactly."""
