@@ -113,8 +113,8 @@ def test_built_in_names_are_looked_up_in_the_table(monkeypatch: pytest.MonkeyPat
         ("tests.bench.toy:Strait", "did you mean 'Straight'"),
         ("tests.bench.toy:Unready", "act"),
         ("tests.bench.toy:MAX_STEPS", "name a factory"),
-        ("", "valid: 'expert'"),
-        (":", "valid: 'expert'"),
+        ("", "valid: 'diffusion-policy', 'dp3', 'expert'"),
+        (":", "valid: 'diffusion-policy', 'dp3', 'expert'"),
     ],
 )
 def test_wrong_name_is_explained(name: str, message: str) -> None:
