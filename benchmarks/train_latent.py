@@ -55,9 +55,7 @@ def latent(
     config = LatentConfig(features, states.tokens.features.shape[-1], points)
     settings = TrainingConfig(steps=steps, learning_rate=1e-3, seed=seed)
     with training(f"latents of {env_id}", steps) as seen:
-        trained = train_latent(
-            states, config, settings, out, about=about, device=device, half=True, seen=seen
-        )
+        trained = train_latent(states, config, settings, out, about=about, device=device, seen=seen)
     return _values(out, trained, about)
 
 

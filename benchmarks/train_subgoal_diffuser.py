@@ -59,7 +59,7 @@ def train(
     settings = TrainingConfig(steps=latent_steps, learning_rate=1e-3, seed=seed)
     with training(f"latents of {env_id}", latent_steps) as seen:
         encoder = train_latent(
-            states, sizes, settings, out / LATENT, about=about, device=device, half=True, seen=seen
+            states, sizes, settings, out / LATENT, about=about, device=device, seen=seen
         )
     # Read back, so that the denoiser is trained on the latents that it will meet.
     network = load_latent(out / LATENT)

@@ -44,10 +44,9 @@ def train_latent(
     *,
     about: dict[str, Any],
     device: str = "cpu",
-    half: bool = False,
     seen: Seen = lambda step, terms: None,
 ) -> Trained:
-    """Train, or go on with a killed run, and save the weights in ``out``.
+    """Train, or go on with a killed run, and save the weights in ``out`` in half precision.
 
     Args:
         states: of recorded episodes.
@@ -56,7 +55,6 @@ def train_latent(
         out: folder of the run's state, its log and in the end its checkpoint.
         about: where the data come from; part of the run's identity and of the checkpoint.
         device: where to train.
-        half: save the weights in half precision.
         seen: shows progress.
 
     Raises:
@@ -86,7 +84,7 @@ def train_latent(
         )
 
     about = {**about, "episodes": len(states.success), "states": len(states.step)}
-    network = Network(KIND, config, lambda: LatentModel(config, linear), half)
+    network = Network(KIND, config, lambda: LatentModel(config, linear), half=True)
     return train_network(network, loss, training, out, about=about, device=device, seen=seen)
 
 
