@@ -30,7 +30,7 @@ bench: setup
 		--episodes $(EPISODES) --workers $(WORKERS)
 
 test: setup-dev
-	$(BIN)/python -m pytest
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n $(WORKERS) --dist loadfile
 
 check: setup-dev
 	$(BIN)/ruff format --check .
