@@ -24,7 +24,7 @@ from icd_envs.tasks.env import ContactEnv
 from tests.envs.making import global_random_state, make, seed_everything
 
 STEPS = 3
-UNTRAINED = {("dp3", "notebook-folding"), ("sac-her", "notebook-folding")}
+UNTRAINED = {("dp3", "notebook-folding")}
 """Agents without weights for a task yet; they must say so, and nothing else is asked of them."""
 TRAINED = ("icd", "subgoal-diffuser", "diffusion-policy", "dp3", "sac-her")
 """Agents that live by weights of their own; those built like them are left out for their time."""
