@@ -19,13 +19,10 @@ from icd_agent.tracking import SubgoalTracker
 from icd_agent.weights import FOLDER, weights_name
 from icd_envs import ENV_IDS
 from icd_envs.api import Agent, Episode, FloatArray, SimState
-from icd_envs.errors import CheckpointError
 from icd_envs.tasks.env import ContactEnv
 from tests.envs.making import global_random_state, make, seed_everything
 
 STEPS = 3
-UNTRAINED = {("dp3", "notebook-folding")}
-"""Agents without weights for a task yet; they must say so, and nothing else is asked of them."""
 TRAINED = ("icd", "subgoal-diffuser", "diffusion-policy", "dp3", "sac-her")
 """Agents that live by weights of their own; those built like them are left out for their time."""
 
@@ -46,16 +43,7 @@ def start(env: ContactEnv[Any]) -> SimState:
 @pytest.fixture(params=AGENTS)
 def agent(request: pytest.FixtureRequest, env: ContactEnv[Any]) -> Agent:
     """Every agent."""
-    skip_if_untrained(request.param, env)
     return hurried(make_agent(request.param, Offer(env.task.env_id)))
-
-
-def skip_if_untrained(name: str, env: ContactEnv[Any]) -> None:
-    """Skip what cannot be asked, once the agent has said so."""
-    if (name, weights_name(env.task.env_id)) in UNTRAINED:
-        with pytest.raises(CheckpointError, match=f"no weights of '{name}'"):
-            make_agent(name, Offer(env.task.env_id))
-        pytest.skip("no weights for this task yet")
 
 
 def hurried(agent: Agent) -> Agent:
@@ -117,7 +105,6 @@ def test_actions_lie_in_the_box_and_what_was_observed_is_left_alone(
 def test_weights_of_a_folder_act_as_those_of_the_package(
     env: ContactEnv[Any], start: SimState, name: str, tmp_path: Path
 ) -> None:
-    skip_if_untrained(name, env)
     env_id = env.task.env_id
     shipped = FOLDER / str(weights_name(env_id))
     there = tmp_path / "weights"
