@@ -24,7 +24,7 @@ class FieldSpace:
             bake: grids of the present scene; None is the default.
         """
         self._field = field
-        self.bake = bake
+        self._bake = bake
 
     @classmethod
     def shipped(cls, env_id: str) -> FieldSpace:
@@ -44,7 +44,7 @@ class FieldSpace:
         mask = observation.get("scene_mask")
         there = np.ones(len(scene), bool) if mask is None else np.asarray(mask) > 0
         places = np.concatenate([observation["achieved_goal"], observation["desired_goal"]])
-        here = BakedField(self._field, scene[there], places, self.bake).features
+        here = BakedField(self._field, scene[there], places, self._bake).features
         same = np.array_equal(scene, goal_scene)
         return Placed(here, here if same else exact_features(self._field, goal_scene))
 

@@ -6,6 +6,7 @@ import copy
 import dataclasses
 import shutil
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +14,8 @@ import numpy as np
 import pytest
 
 from benchmarks.registry import AGENTS, Offer, make_agent
+from icd_agent.field import baked
 from icd_agent.field.baked import BakeConfig
-from icd_agent.field.space import FieldSpace
 from icd_agent.tracking import SubgoalTracker
 from icd_agent.weights import FOLDER, weights_name
 from icd_envs import ENV_IDS
@@ -46,13 +47,17 @@ def agent(request: pytest.FixtureRequest, env: ContactEnv[Any]) -> Agent:
     return hurried(make_agent(request.param, Offer(env.task.env_id)))
 
 
+@pytest.fixture(autouse=True)
+def coarse_grids(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever bakes a field without asking for more."""
+    monkeypatch.setattr(baked, "BakeConfig", partial(BakeConfig, fine=0.05, coarse=0.2))
+
+
 def hurried(agent: Agent) -> Agent:
-    """Planners get few samples and coarse grids."""
+    """Planners get few samples."""
     tracker = getattr(agent, "tracker", agent)
     if isinstance(tracker, SubgoalTracker):
         tracker.mppi_config = dataclasses.replace(tracker.mppi_config, samples=5, horizon=3)
-        if isinstance(tracker.space, FieldSpace):
-            tracker.space.bake = BakeConfig(fine=0.05, coarse=0.2)
     return agent
 
 
