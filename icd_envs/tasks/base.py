@@ -14,7 +14,7 @@ from icd_envs.physics.plant import Plant
 from icd_envs.scenes.boxes import Box
 
 HOLD_STEPS: Final = 10
-"""Control steps for which success must hold before an episode ends."""
+"""Control steps for which success must hold before an episode ends, where it ends early."""
 IDLE_STEPS: Final = 20
 """Control steps that an expert is watched for after it is done."""
 
@@ -57,6 +57,15 @@ class Task(Protocol[SceneT]):
     @property
     def max_steps(self) -> int:
         """Control steps before an episode is truncated."""
+        ...
+
+    @property
+    def ends_on_success(self) -> bool:
+        """Whether an episode ends once success has held for ``HOLD_STEPS``.
+
+        False where the way to one goal leads through states that are right for another: there the
+        whole budget is played, and what holds at its end counts.
+        """
         ...
 
     @property

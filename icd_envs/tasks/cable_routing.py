@@ -79,6 +79,11 @@ class CableRouting:
         """Budget: 300 control steps for one or two clips, 200 more for each further one."""
         return MAX_STEPS + EXTRA_STEPS * max(0, self.num_fixtures - 2)
 
+    @property
+    def ends_on_success(self) -> bool:
+        """Not with contact goals: on the way through two throats, "only the first" holds, too."""
+        return self.goals == "routed"
+
     def draw_scenes(self, rng: np.random.Generator) -> Scenes[CableRoutingScene]:
         """Clips at random places; see ``icd_envs.scenes.cable_routing``."""
         scene = draw_scene(rng, self.num_fixtures, cable_for(self.cable, self.num_fixtures))
@@ -187,7 +192,8 @@ class CableRoutingEnv(ContactEnv[CableRoutingScene]):
     is the share of such clips.
 
     End of episode: ``terminated`` once success has held for 10 steps, or if the physics diverged;
-    truncated after 300 steps, 500 with three clips, 700 with four.
+    truncated after 300 steps, 500 with three clips, 700 with four. With ``goals="contact"`` success
+    does not end it: what holds at its last step counts.
 
     Version history:
         v0: first.

@@ -205,7 +205,8 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
         reward = self._reward(
             matched, self._observation["achieved_goal"], self._observation["desired_goal"]
         )
-        terminated = self._diverged or self._held >= HOLD_STEPS
+        reached = self.task.ends_on_success and self._held >= HOLD_STEPS
+        terminated = self._diverged or reached
         truncated = self._steps >= self.task.max_steps
         return self._copy_observation(), float(reward), terminated, truncated, info
 

@@ -49,6 +49,7 @@ class NotebookFolding:
 
     env_id: ClassVar[str] = "ICDNotebookFolding-v0"
     max_steps: ClassVar[int] = 150
+    ends_on_success: ClassVar[bool] = True
     action_scale: ClassVar[float] = 0.03
     parameter_names: ClassVar[tuple[str, ...]] = ("table",)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,8 +11,10 @@ import pytest
 from icd_envs.errors import InvalidOptionError
 from icd_envs.geometry.routing import passes_behind, signed_crossings
 from icd_envs.geometry.sdf import BoxUnion
-from icd_envs.scenes.cable_routing import CONTACTS, CableRoutingScene, draw_contacts
-from icd_envs.tasks.cable_routing import UNTOUCHED
+from icd_envs.scenes.cable_routing import CONTACTS, ROUTED, CableRoutingScene, draw_contacts
+from icd_envs.tasks.base import HOLD_STEPS, run_expert
+from icd_envs.tasks.cable_routing import UNTOUCHED, CableRouting
+from icd_envs.tasks.problem import draw_problem, matched_parts, scene_rng
 from tests.envs.making import CABLE, make
 
 SEEDS = range(12)
@@ -78,3 +81,39 @@ def test_default_goals_are_to_route_and_a_misspelt_value_is_named() -> None:
     assert make().task.goals == "routed"
     with pytest.raises(InvalidOptionError, match="did you mean 'contact'"):
         make(CABLE, goals="contacts")
+
+
+def test_contact_goals_are_judged_at_the_end_of_the_budget() -> None:
+    env = make(CABLE, goals="contact")
+    env.reset(seed=0)
+    oracle = env.episode(oracle=True).oracle
+    assert oracle is not None
+    still = np.zeros(3)
+    budget = env.task.max_steps
+    ends = []
+    for step in range(budget):
+        action = oracle.actions[step] if step < len(oracle.actions) else still
+        *_, terminated, truncated, info = env.step(action)
+        ends.append((info["is_success"], terminated, truncated))
+    held = [success for success, *_ in ends[len(oracle.actions) :]]
+    assert len(held) > HOLD_STEPS
+    assert all(held)
+    assert not any(terminated for _, terminated, _ in ends)
+    assert [truncated for *_, truncated in ends] == [False] * (budget - 1) + [True]
+    env.close()
+
+
+def test_passing_every_throat_is_right_for_another_goal_on_the_way_but_not_at_the_end() -> None:
+    task = CableRouting(goals="contact")
+    for seed in SEEDS:
+        problem = draw_problem(task, scene_rng("test", seed), seed)
+        if problem.scene.contacts[0] != "through" or problem.scene.contacts[1] == "through":
+            continue
+        routed = replace(problem.scene, contacts=ROUTED * 2)
+        shown = run_expert(task, routed, problem.plant, task.make_expert(routed))
+        right = [bool(matched_parts(task, problem, points).all()) for points in shown.points]
+        assert sum(right) > HOLD_STEPS
+        assert not right[-1]
+        break
+    else:
+        pytest.fail("no goal asked for the first clip alone")
