@@ -206,6 +206,7 @@ class SubgoalChain:
         self._reach_squared = (threshold * reach) ** 2
         self._index = 0
         self._steps_since_progress = 0
+        self._arrived = False
 
     def __len__(self) -> int:
         """L, removed subgoals included."""
@@ -221,6 +222,11 @@ class SubgoalChain:
         """Whether only the last subgoal is left."""
         return self._index == len(self._subgoals) - 1
 
+    @property
+    def arrived(self) -> bool:
+        """Whether the last subgoal's threshold held when ``advance`` last looked."""
+        return self._arrived
+
     def ahead(self) -> FloatArray:
         """Return the subgoals to aim at now, (W, N, D) with 1 <= W <= window."""
         return self._subgoals[self._index : self._index + self._window]
@@ -232,13 +238,15 @@ class SubgoalChain:
             current: (N, D) present state in the cost space; call once per control step.
 
         Returns:
-            Whether patience has run out. At the last subgoal it does even if that is reached: an
-            episode that has solved its task is over.
+            Whether patience has run out. At the last subgoal it does even if that is reached: most
+            episodes that have solved their task are over; in others, ask ``arrived``.
         """
         if self._begin is None:
             self._begin = np.array(current)
-        index, waited = self._after_reached(current), self._steps_since_progress
-        patience = self._patience
+        reached = self._last_reached(current)
+        self._arrived = reached == len(self._subgoals) - 1
+        index = self._index + self._is_passed(current) if reached is None else reached + 1
+        patience, waited = self._patience, self._steps_since_progress
         progress = index > self._index and not self.at_end
         stalled = not progress and patience is not None and waited >= patience
         index = min(index + stalled, len(self._subgoals) - 1)
@@ -248,15 +256,15 @@ class SubgoalChain:
         self._steps_since_progress += 1
         return stalled
 
-    def _after_reached(self, current: FloatArray) -> int:
-        """Index after the last subgoal in the window that is reached, or the present one."""
+    def _last_reached(self, current: FloatArray) -> int | None:
+        """Index of the last subgoal in the window whose threshold holds now, if any."""
         squares = squared_distance(current[None, None], self.ahead())[0, 0]
         reach_squared = self._reach_squared[self._index : self._index + len(squares)]
         reached = np.flatnonzero(squares <= reach_squared)
-        if reached.size:
-            return self._index + int(reached[-1]) + 1
-        passed = self._passed is not None and self._done(current) >= self._passed
-        return self._index + passed
+        return self._index + int(reached[-1]) if reached.size else None
+
+    def _is_passed(self, current: FloatArray) -> bool:
+        return self._passed is not None and self._done(current) >= self._passed
 
     def _done(self, current: FloatArray) -> float:
         """How much of the way to the next subgoal lies behind: 0 at its beginning, 1 at its end.

@@ -193,19 +193,26 @@ class SubgoalTracker:
         return None if self.plan_info is None else self.plan_info.view()
 
     def _follow(self, episode: Episode, observation: Observation) -> SubgoalChain:
-        """The chain as it is now: begun, moved on, or replaced."""
+        """The chain as it is now: begun, moved on, or replaced.
+
+        An end that was followed in vain is left for any other chain, but not if the goal must be
+        kept: then it may have been reached, and a chain that leads away and back would undo that.
+        """
         if self._chain is None:
             self._placed = self.space.place(observation)
             subgoals = self._source.chain(episode, observation, self._placed, self._rng)
             self._chain = self._begin(subgoals)
         at_end = self._chain.at_end
         stalled = self._chain.advance(self._placed.here(observation["achieved_goal"]))
+        if self._chain.arrived and not episode.ends_on_success:
+            return self._chain  # what is left is to stay
         every = self.config.replan_every
         self._since_asked += 1
         if every is not None and (stalled or self._since_asked > every):
             assert isinstance(self._source, ReplanningSource)
             self._since_asked = 0
-            index = None if stalled and at_end else self._chain.index
+            in_vain = stalled and at_end and episode.ends_on_success
+            index = None if in_vain else self._chain.index
             again = self._source.again(episode, observation, self._placed, self._rng, index)
             if again is not None:
                 self._chain = self._begin(again)

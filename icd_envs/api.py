@@ -164,6 +164,8 @@ class Episode:
         oracle: only for agents with ``needs_oracle = True``.
         goal_oracle: likewise; how the expert solved the scene that the goal was specified in. The
             same as ``oracle`` except in the adaptation tasks.
+        ends_on_success: whether the episode is over soon after its goal is reached; if not, the
+            goal must be kept to the end.
     """
 
     env_id: str
@@ -175,6 +177,7 @@ class Episode:
     simulator: Simulator | None = None
     oracle: Oracle | None = None
     goal_oracle: Oracle | None = None
+    ends_on_success: bool = True
 
 
 @dataclass(frozen=True)

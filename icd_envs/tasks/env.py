@@ -282,6 +282,7 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
             simulator=handle,
             oracle=problem.oracle if oracle else None,
             goal_oracle=problem.goal_oracle if oracle else None,
+            ends_on_success=self.task.ends_on_success,
         )
 
     def snapshot(self) -> SimState:

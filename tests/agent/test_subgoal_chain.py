@@ -57,6 +57,15 @@ def test_last_subgoal_is_never_removed() -> None:
     np.testing.assert_array_equal(chain.ahead(), clouds(1))
 
 
+def test_arrived_is_to_be_at_the_last_subgoal_now() -> None:
+    chain = SubgoalChain(clouds(0, 1, 2))
+    seen = []
+    for x in (0, 1, 2, 2.1, 3, 2):
+        chain.advance(clouds(x)[0])
+        seen.append(chain.arrived)
+    assert seen == [False, False, True, True, False, True]
+
+
 def test_single_subgoal_chain_keeps_its_goal() -> None:
     chain = SubgoalChain(clouds(1), patience=1)
     for x in (0.0, 1.0, 1.0):

@@ -264,6 +264,22 @@ def test_a_reached_end_is_waited_at_no_longer_than_any_other_subgoal() -> None:
     assert source.asked == [None] * 3
 
 
+def asked_beside_the_end(threshold: float, *, ends_on_success: bool) -> list[int | None]:
+    """What a source hears while the gripper waits 2 mm from the last of two subgoals."""
+    source = Again((0.0, 0.0, 0.0), None)
+    source.positions = np.array([(0.0, 0.0, 0.0), (0.002, 0.0, 0.0)])
+    config = TrackerConfig(patience=5, replan_every=1000, threshold=threshold)
+    world = ToyWorld(ends_on_success=ends_on_success)
+    drive(SubgoalTracker(source, PointSpace(), preset("paper"), config), world, 20)
+    return source.asked
+
+
+def test_an_end_that_must_be_kept_is_stayed_at_and_else_left_for_a_shorter_chain_only() -> None:
+    assert asked_beside_the_end(1e3, ends_on_success=False) == []
+    assert asked_beside_the_end(0.0, ends_on_success=False) == [1] * 3
+    assert asked_beside_the_end(1e3, ends_on_success=True) == [None] * 3
+
+
 def test_only_a_source_that_can_be_asked_again_may_be_asked() -> None:
     with pytest.raises(InvalidOptionError, match="replan_every=5 cannot be used with GoalSource"):
         goal_tracker(TrackerConfig(replan_every=5))

@@ -34,11 +34,13 @@ class ToyWorld:
         goal: tuple[float, float, float] = (0.3, 0.0, 0.0),
         ball: tuple[float, float, float] | None = None,
         ball_radius: float = 0.05,
+        ends_on_success: bool = True,
     ) -> None:
         self.position = np.asarray(start, dtype=np.float64)
         self.goal = np.asarray(goal)
         self.ball = ball
         self.ball_radius = ball_radius
+        self.ends_on_success = ends_on_success
         self.diverged: BoolArray | None = None
         self.void = 0.0
         self.last_actions: FloatArray | None = None
@@ -78,5 +80,13 @@ class ToyWorld:
     def episode(self, oracle: Oracle | None = None) -> Episode:
         spheres = np.array([[0.0, 0.0, 0.0, 0.02]], np.float32)
         return Episode(
-            "toy", ACTION_SCALE, 0.05, 100, OFFSETS.astype(np.float32), spheres, self, oracle
+            "toy",
+            ACTION_SCALE,
+            0.05,
+            100,
+            OFFSETS.astype(np.float32),
+            spheres,
+            self,
+            oracle,
+            ends_on_success=self.ends_on_success,
         )
