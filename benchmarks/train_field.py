@@ -16,9 +16,6 @@ from icd_agent.training.config import TrainingConfig
 from icd_agent.training.device import check_device
 from icd_agent.weights import weights_name
 
-GLOBAL_CHANNELS: Final = 48
-"""One code must hold what many anchors hold otherwise."""
-
 
 class Scales(NamedTuple):
     """Sizes of what stands in a task's scenes, as the shipped weights were trained.
@@ -84,7 +81,6 @@ def train(
     config = FieldConfig(
         scope,
         scales.anchors,
-        channels=FieldConfig.channels if scope == "local" else GLOBAL_CHANNELS,
         length_scale=scales.length,
         outlook_scale=scales.outlook,
     )

@@ -26,6 +26,9 @@ class FieldConfig:
         outlook_scale: [m] how far a query at a surface looks out.
         outlook_growth: how much farther it looks per metre of that distance.
         channels: vector channels of an anchor.
+        code_channels: of the one code of the global scope, which must hold what many anchors hold
+            otherwise.
+        code_blocks: residual layers that ask that code.
         edge_width: scalar channels of what an anchor tells a query.
         width: scalar channels of a query.
         descriptor: D, size of a descriptor.
@@ -46,6 +49,8 @@ class FieldConfig:
     outlook_scale: float = 0.04
     outlook_growth: float = 0.5
     channels: int = 24
+    code_channels: int = 128
+    code_blocks: int = 4
     edge_width: int = 48
     width: int = 128
     descriptor: int = 32

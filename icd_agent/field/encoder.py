@@ -10,6 +10,7 @@ from torch import Tensor, nn
 from icd_agent.field.config import FieldConfig
 from icd_agent.field.neighbours import gather, nearest, spread
 from icd_agent.field.vector_neurons import VectorLeakyReLU, VectorLinear, upward
+from icd_agent.field.whole import Summary
 
 
 class SceneCode(NamedTuple):
@@ -42,7 +43,7 @@ class SceneEncoder(nn.Module):
             VectorLeakyReLU(channels),
         )
         self.exchange = nn.ModuleList(_Exchange(channels) for _ in range(config.graph_layers))
-        self.summary = _Summary(channels) if config.scope == "global" else None
+        self.summary = Summary(channels, config.code_channels) if config.scope == "global" else None
 
     def forward(self, scene: Tensor, there: Tensor | None = None) -> SceneCode:
         """Encode scenes.
@@ -122,23 +123,3 @@ class _Exchange(nn.Module):
         messages = self.activation(here + self.there(around) + self.offset(offsets))
         updated: Tensor = features + self.out(messages.mean(dim=2))
         return updated
-
-
-class _Summary(nn.Module):
-    """One code for all anchors, from what they know and where they are."""
-
-    def __init__(self, channels: int) -> None:
-        super().__init__()
-        self.layers = nn.Sequential(
-            VectorLinear(channels + 2, 2 * channels),
-            VectorLeakyReLU(2 * channels),
-            VectorLinear(2 * channels, 2 * channels),
-            VectorLeakyReLU(2 * channels),
-        )
-        self.out = VectorLinear(2 * channels, channels)
-
-    def forward(self, features: Tensor, places: Tensor) -> Tensor:
-        """(B, A, 3, C) and places about their middle (B, A, 3, 1) -> (B, 1, 3, C)."""
-        told = self.layers(torch.cat([features, places, upward(features)], dim=-1))
-        summary: Tensor = self.out(told.mean(dim=1, keepdim=True))
-        return summary

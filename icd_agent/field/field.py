@@ -12,6 +12,7 @@ from icd_agent.field.config import FieldConfig
 from icd_agent.field.encoder import SceneCode, SceneEncoder
 from icd_agent.field.neighbours import gather, nearest
 from icd_agent.field.vector_neurons import TINY, Invariants, VectorLeakyReLU, VectorLinear, upward
+from icd_agent.field.whole import WholeScene
 
 SHARPNESS = (1.0, 3.0)
 """Exponents of the distance weights of the nearest anchors: a smooth look and a close one."""
@@ -45,13 +46,18 @@ class SceneField(nn.Module):
         self.config = config
         channels, edge, width = config.channels, config.edge_width, config.width
         self.encoder = SceneEncoder(config)
-        self.edge = nn.Sequential(
-            nn.Linear(2 * channels + 2, edge), nn.LeakyReLU(), nn.Linear(edge, edge)
-        )
-        gathered = HEADS * (channels + 1) + 1
-        self.vectors = nn.Sequential(VectorLinear(gathered, channels), VectorLeakyReLU(channels))
-        self.invariants = Invariants(channels)
-        scalars = HEADS * edge + 3 * channels + 1
+        self.whole = WholeScene(config) if config.scope == "global" else None
+        scalars = width
+        if self.whole is None:
+            self.edge = nn.Sequential(
+                nn.Linear(2 * channels + 2, edge), nn.LeakyReLU(), nn.Linear(edge, edge)
+            )
+            gathered = HEADS * (channels + 1) + 1
+            self.vectors = nn.Sequential(
+                VectorLinear(gathered, channels), VectorLeakyReLU(channels)
+            )
+            self.invariants = Invariants(channels)
+            scalars = HEADS * edge + 3 * channels + 1
         self.trunk = nn.Sequential(
             nn.Linear(scalars, width), nn.SiLU(), nn.Linear(width, width), nn.SiLU()
         )
@@ -71,17 +77,29 @@ class SceneField(nn.Module):
 
     def query(self, code: SceneCode, points: Tensor) -> FieldOutput:
         """Ask about points (B, Q, 3) [m] in encoded scenes."""
-        edges, weights, features = self._edges(code, points)
-        scalars = [self._gather_scalars(edges, features, weights)]
-        vectors = self._gather_vectors(edges, features, weights)
-        vectors = self.vectors(torch.cat([vectors, upward(vectors)], dim=-1))
-        scalars.append(self.invariants(vectors))
-        scalars.append(self._compress(points[..., 2:] - code.floor[:, None, None]))
-        hidden = self.trunk(torch.cat(scalars, dim=-1))
+        height = points[..., 2:] - code.floor[:, None, None]
+        if self.whole is None:
+            scalars, vectors = self._look_around(code, points, height)
+        else:
+            scale = self.config.close_scale
+            offsets = (points - code.anchors) / scale
+            scalars, vectors = self.whole(code.features, offsets, height / scale)
+        hidden = self.trunk(scalars)
         occupancy, log_distance = self.heads(hidden).unbind(-1)
         steered = torch.cat([vectors, upward(vectors)], dim=-1) * self.gates(hidden)[..., None, :]
         descriptor = self.config.length_scale * self.descriptor(hidden)
         return FieldOutput(descriptor, occupancy, steered.sum(-1), log_distance)
+
+    def _look_around(
+        self, code: SceneCode, points: Tensor, height: Tensor
+    ) -> tuple[Tensor, Tensor]:
+        """Scalars (B, Q, S) and vectors (B, Q, 3, C) of the anchors around the points."""
+        edges, weights, features = self._edges(code, points)
+        told = self._gather_scalars(edges, features, weights)
+        vectors = self._gather_vectors(edges, features, weights)
+        vectors = self.vectors(torch.cat([vectors, upward(vectors)], dim=-1))
+        scalars = [told, self.invariants(vectors), self._compress(height)]
+        return torch.cat(scalars, dim=-1), vectors
 
     def _edges(self, code: SceneCode, points: Tensor) -> tuple[Tensor, Tensor, Tensor]:
         """Offsets (B, Q, k, 3), weights (B, Q, k, HEADS), features (B, Q, k, 3, C)."""

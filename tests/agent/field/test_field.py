@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import torch
@@ -17,14 +19,16 @@ from icd_envs.geometry.point_cloud import sample_scene
 from icd_envs.tasks.cable_routing import CableRouting
 from icd_envs.tasks.notebook_folding import NotebookFolding
 
-SMALL = FieldConfig(anchors=64, channels=8, edge_width=16, width=32, descriptor=16)
+SMALL = FieldConfig(
+    anchors=64, channels=8, code_channels=16, edge_width=16, width=32, descriptor=16
+)
 TASKS = (CableRouting(), NotebookFolding())
 
 
-@pytest.fixture(scope="module")
-def field() -> SceneField:
+@pytest.fixture(scope="module", params=["local", "global"])
+def field(request: pytest.FixtureRequest) -> SceneField:
     torch.manual_seed(0)
-    return SceneField(SMALL).double().eval()
+    return SceneField(replace(SMALL, scope=request.param)).double().eval()
 
 
 def scene_of(seed: int, points: int = 400) -> Tensor:
@@ -109,6 +113,20 @@ def test_a_scene_of_few_points_or_bare_floor_is_answered_with_finite_numbers(
     for scene in (floor, scene_of(0)[:, :3], torch.zeros(1, 10, 3, dtype=torch.float64)):
         out = field(scene, queries_of(0, scene))
         assert all(bool(value.isfinite().all()) for value in out)
+
+
+def test_one_code_describes_the_whole_scene() -> None:
+    torch.manual_seed(0)
+    field = SceneField(replace(SMALL, scope="global")).double().eval()
+    scene = scene_of(0)
+    code = field.encoder(scene)
+    assert code.features.shape == (1, 1, 3, SMALL.code_channels)
+    far = scene[0, scene[0, :, 0].argmax()]
+    changed = scene.clone()
+    changed[0, scene[0, :, 2].argmax(), :2] += 0.2
+    points = far + torch.zeros(1, 1, 3, dtype=torch.float64)
+    # What happens anywhere in the scene changes what is said everywhere.
+    assert not torch.allclose(field(changed, points).descriptor, field(scene, points).descriptor)
 
 
 @pytest.mark.parametrize(
