@@ -1,21 +1,17 @@
-"""Global NDF: as NDF-MPPI, but one code describes the whole scene, as in the first NDF.
+"""Global NDF: ICD on a field that describes the whole scene with one code, as the first NDF does.
 
-The paper's row adds generated subgoals; until they are trained for it, the goal is the only one.
+The paper's baseline (section V-B, after Simeonov et al., ICRA 2022): everything else is ICD's.
 """
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from icd_agent.chain import GoalSource
-from icd_agent.field.space import FieldSpace
-from icd_agent.field.train import load_field
-from icd_agent.mppi.presets import preset
-from icd_agent.tracking import SubgoalTracker
-from icd_agent.weights import GLOBAL_FIELD, shipped_folder
+from icd_agent.agent import ICDAgent, best_preset, load_networks
+from icd_agent.weights import GLOBAL_NDF, shipped_folder
 
 
-def make_global_ndf(env_id: str, weights: Path | None = None) -> SubgoalTracker:
-    """Build the paper's baseline Global NDF, as far as it goes with the goal alone."""
-    space = FieldSpace(load_field(weights or shipped_folder(env_id, GLOBAL_FIELD)))
-    return SubgoalTracker(GoalSource(), space, preset("adaptive"))
+def make_global_ndf(env_id: str, weights: Path | None = None) -> ICDAgent:
+    """Build it with the settings that ICD has."""
+    folder = weights or shipped_folder(env_id, GLOBAL_NDF)
+    return ICDAgent(load_networks(folder), best_preset(env_id))

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from benchmarks import baseline_commands, network_commands
-from benchmarks.console import FAILED_EPISODES, FINE, AsJson, errors_in_one_line
+from benchmarks.console import FAILED_EPISODES, FINE, AsJson, TaskOptions, errors_in_one_line
 
 if TYPE_CHECKING:
     from benchmarks.interrupts import Interrupt
@@ -283,10 +283,7 @@ def collect(
         int | None,
         typer.Option(min=1, help="Longest episode.", show_default="the environment's budget"),
     ] = None,
-    option: Annotated[
-        list[str] | None,
-        typer.Option(metavar="NAME=VALUE", help="Of the task, e.g. goals=contact; repeatable."),
-    ] = None,
+    options: TaskOptions = None,
     resume: Annotated[bool, typer.Option(help="Go on with what is in --out.")] = True,
     minari: Annotated[
         str | None, typer.Option(metavar="ID", help="Then make a Minari dataset of this id.")
@@ -304,7 +301,7 @@ def collect(
         with interruptible() as interrupt, redirect_stdout(sys.stderr):
             values = collect_command.collect_and_export(
                 collect_command.make_header(
-                    env, episodes, seed=seed, steps=steps, options=option or ()
+                    env, episodes, seed=seed, steps=steps, options=options or ()
                 ),
                 out,
                 crew,
@@ -343,6 +340,7 @@ def export_scene(
 def watch(
     agent: Annotated[str, typer.Option(help="Name or module:attr.")],
     env: Annotated[str, typer.Option(help="Environment id.")],
+    options: TaskOptions = None,
     seed: Annotated[int, typer.Option(min=0, help="Base seed of all episodes, as of run.")] = 0,
     episode: Annotated[int, typer.Option(min=0, help="Index of the first episode.")] = 0,
     viewer: Annotated[
@@ -359,8 +357,8 @@ def watch(
         from benchmarks.watch.command import watch_agent
 
         errors = watch_agent(
-            agent, env, seed=seed, episode=episode, viewer=viewer, host=host, port=port,
-            say=lambda text: typer.echo(text, err=True),
+            agent, env, options=options or (), seed=seed, episode=episode, viewer=viewer, host=host,
+            port=port, say=lambda text: typer.echo(text, err=True),
         )  # fmt: skip
     raise typer.Exit(FAILED_EPISODES if errors else FINE)
 

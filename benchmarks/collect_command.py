@@ -7,6 +7,7 @@ from pathlib import Path
 from time import perf_counter
 
 from benchmarks.collect import collect
+from benchmarks.conditions import parse_options
 from benchmarks.console import Values
 from benchmarks.executors import Executor
 from benchmarks.runner import Watch
@@ -30,20 +31,13 @@ def make_header(
     Raises:
         InvalidOptionError: unknown environment or option, or more steps than its budget.
     """
-    values = dict(map(_parse_option, options))
+    values = dict(parse_options(options))
     budget = find_task(env_id, values).max_steps
     if steps is not None and not 1 <= steps <= budget:
         raise InvalidOptionError(f"steps must be in [1, {budget}] for {env_id}, got {steps}")
     return Header(
         env_id=env_id, options=values, seed=seed, steps=steps or budget, episodes=episodes
     )
-
-
-def _parse_option(text: str) -> tuple[str, int | str]:
-    name, equals, value = text.partition("=")
-    if not (name and equals and value):
-        raise InvalidOptionError(f"--option must be name=value, got {text!r}: e.g. goals=contact")
-    return name, int(value) if value.isdecimal() else value
 
 
 def collect_and_export(

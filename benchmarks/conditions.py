@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, Final
 
@@ -65,6 +65,22 @@ class Condition:
 
 
 DEFAULT: Final = Condition()
+
+
+def parse_options(texts: Sequence[str]) -> tuple[tuple[str, int | str], ...]:
+    """Options of a task as they are given on the command line, each as ``name=value``.
+
+    Raises:
+        InvalidOptionError: one is no such text; the task itself says which names it knows.
+    """
+    return tuple(map(_parse_option, texts))
+
+
+def _parse_option(text: str) -> tuple[str, int | str]:
+    name, equals, value = text.partition("=")
+    if not (name and equals and value):
+        raise InvalidOptionError(f"--option must be name=value, got {text!r}: e.g. goals=contact")
+    return name, int(value) if value.isdecimal() else value
 
 
 @dataclass(frozen=True)

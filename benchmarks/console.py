@@ -15,6 +15,12 @@ Values = dict[str, int | float | str | None]
 """What a command found out, by name."""
 
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON, and only JSON, on stdout.")]
+TaskOptions = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--option", metavar="NAME=VALUE", help="Of the task, e.g. goals=contact; repeatable."
+    ),
+]
 
 
 @contextmanager

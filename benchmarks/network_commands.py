@@ -8,7 +8,7 @@ from typing import Annotated, Final, Literal
 
 import typer
 
-from benchmarks.console import AsJson, Values, errors_in_one_line
+from benchmarks.console import AsJson, TaskOptions, Values, errors_in_one_line
 
 GROUPS: Final = {
     "train": typer.Typer(help="Train a network from recorded demonstrations."),
@@ -81,7 +81,7 @@ def train_field(
     with errors_in_one_line():
         from benchmarks.train_field import Scales, scales_of, train
 
-        usual = scales_of(env)
+        usual = scales_of(env, scope)
         scales = Scales(
             usual.length if length_scale is None else length_scale,
             usual.outlook if outlook_scale is None else outlook_scale,
@@ -250,13 +250,14 @@ def render_episode(
     agent: Annotated[str, typer.Option(help="Agent, as icd-bench run takes it.")],
     env: Env,
     out: Picture,
+    options: TaskOptions = None,
     seed: Seed = 0,
 ) -> None:
     """Draw a strip of pictures of one test episode."""
     with errors_in_one_line():
         from benchmarks.render_episode import render
 
-        render(agent, env, out, seed=seed)
+        render(agent, env, out, seed=seed, options=options or ())
 
 
 def say(values: Values, as_json: bool) -> None:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final
 
-import gymnasium as gym
 import numpy as np
 
+from benchmarks.conditions import Condition, TaskSpec, make_env, parse_options
 from benchmarks.figures import new_figure, save_figure
 from benchmarks.registry import Offer, make_agent
 from icd_envs import ENV_IDS
@@ -17,7 +18,9 @@ from icd_envs.tasks.env import ContactEnv
 PICTURES: Final = 8
 
 
-def render(agent_name: str, env_id: str, out: Path, *, seed: int) -> None:
+def render(
+    agent_name: str, env_id: str, out: Path, *, seed: int, options: Sequence[str] = ()
+) -> None:
     """Run one test episode and draw it at equal intervals, its first and last state included.
 
     Args:
@@ -25,15 +28,18 @@ def render(agent_name: str, env_id: str, out: Path, *, seed: int) -> None:
         env_id: which environment of this package.
         out: PNG file.
         seed: of scene and agent.
+        options: of the task, each as ``name=value``.
 
     Raises:
-        InvalidOptionError: unknown agent or environment, a file that is no PNG, or no Matplotlib.
+        InvalidOptionError: unknown agent, environment or option, a file that is no PNG, or no
+            Matplotlib.
     """
     if env_id not in ENV_IDS:
         raise InvalidOptionError(unknown_name("environment id", env_id, ENV_IDS))
     figure = new_figure(out, (16, 6.4))
     agent = make_agent(agent_name, Offer(env_id))
-    env: Any = gym.make(env_id, split="test", render_mode="rgb_array").unwrapped
+    told = (*parse_options(options), ("render_mode", "rgb_array"))
+    env: Any = make_env(TaskSpec(env_id, Condition("drawn", told))).unwrapped
     assert isinstance(env, ContactEnv)
     try:
         observation, info = env.reset(seed=seed)

@@ -17,6 +17,9 @@ from icd_agent.training.device import check_device
 from icd_agent.weights import weights_name
 
 
+Scope = Literal["local", "global"]
+
+
 class Scales(NamedTuple):
     """Sizes of what stands in a task's scenes, as the shipped weights were trained.
 
@@ -39,16 +42,17 @@ SCALES: Final = {"notebook-folding": Scales(0.5, 0.15, 0.05, 384, 4500)}
 """Of the tasks whose fixtures are larger than a clip."""
 
 
-def scales_of(env_id: str) -> Scales:
+def scales_of(env_id: str, scope: Scope) -> Scales:
     """Those that the shipped weights of this environment were trained with, or the default."""
-    return SCALES.get(weights_name(env_id) or "", Scales())
+    scales = SCALES.get(weights_name(env_id) or "", Scales())
+    return scales if scope == "local" else scales._replace(anchors=64, steps=6000)
 
 
 def train(
     env_id: str,
     folder: Path,
     out: Path,
-    scope: Literal["local", "global"],
+    scope: Scope,
     scales: Scales,
     *,
     device: str,

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.console import Values
-from benchmarks.described import describe
+from benchmarks.described import Described, describe
 from benchmarks.training_progress import training
 from icd_agent.checkpoints import weights_sha256
 from icd_agent.diffusion.config import DiffusionConfig
@@ -50,13 +50,9 @@ def latent(
         IcdError: unfitting data or weights, unusable device, see also ``train_latent``.
     """
     check_device(device)
-    states, about = describe(env_id, data, field, episodes)
-    points, features = states.features.shape[1:]
-    config = LatentConfig(features, states.tokens.features.shape[-1], points)
-    settings = TrainingConfig(steps=steps, learning_rate=1e-3, seed=seed)
-    with training(f"latents of {env_id}", steps) as seen:
-        trained = train_latent(states, config, settings, out, about=about, device=device, seen=seen)
-    return _values(out, trained, about)
+    described = describe(env_id, data, field, episodes)
+    trained = fit_latent(described, out, steps=steps, seed=seed, device=device)
+    return _values(out, trained, described.about)
 
 
 def diffusion(
@@ -92,18 +88,79 @@ def diffusion(
     """
     check_device(device)
     folder = shipped_folder(env_id, LATENT) if latent is None else latent
-    network = load_latent(folder)
-    states, about = describe(env_id, data, field, episodes)
-    tokens, scene_features = states.tokens.features.shape[1:]
-    points = network.config.points
-    config = DiffusionConfig(network.config.latent, scene_features, points, tokens)
+    described = describe(env_id, data, field, episodes)
+    trained = fit_diffusion(described, folder, out, steps=steps, seed=seed, device=device)
+    return _values(out, trained, described.about)
+
+
+def fit_latent(described: Described, out: Path, *, steps: int, seed: int, device: str) -> Trained:
+    """Train an autoencoder of described states, showing progress.
+
+    Args:
+        described: the states.
+        out: of the run.
+        steps: optimiser steps in all.
+        seed: of initial weights and data.
+        device: where to train.
+    """
+    states, about = described
+    points, features = states.features.shape[1:]
+    config = LatentConfig(features, states.tokens.features.shape[-1], points)
     settings = TrainingConfig(steps=steps, learning_rate=1e-3, seed=seed)
-    about = {**about, "latent": weights_sha256(folder)}
-    with training(f"chains of {env_id}", steps) as seen:
-        trained = train_diffusion(
-            states, network, config, settings, out, about=about, device=device, seen=seen
+    with training(f"latents of {about['env']}", steps) as seen:
+        return train_latent(states, config, settings, out, about=about, device=device, seen=seen)
+
+
+def fit_diffusion(
+    described: Described,
+    latent: Path,
+    out: Path,
+    *,
+    steps: int,
+    seed: int,
+    device: str,
+    places: int = DiffusionConfig.places,
+    width: int = DiffusionConfig.width,
+    half: bool = False,
+) -> Trained:
+    """Train a denoiser of chains of described states, showing progress.
+
+    Args:
+        described: the states.
+        latent: folder of the autoencoder whose latents it is to meet.
+        out: of the run.
+        steps: optimiser steps in all.
+        seed: of initial weights and data.
+        device: where to train.
+        places: see ``DiffusionConfig``.
+        width: see ``DiffusionConfig``.
+        half: save the weights in half precision.
+    """
+    states, about = described
+    network = load_latent(latent)
+    tokens, scene_features = states.tokens.features.shape[1:]
+    config = DiffusionConfig(
+        network.config.latent,
+        scene_features,
+        network.config.points,
+        tokens,
+        places=places,
+        width=width,
+    )
+    settings = TrainingConfig(steps=steps, learning_rate=1e-3, seed=seed)
+    about = {**about, "latent": weights_sha256(latent)}
+    with training(f"chains of {about['env']}", steps) as seen:
+        return train_diffusion(
+            states,
+            network,
+            config,
+            settings,
+            out,
+            about=about,
+            device=device,
+            half=half,
+            seen=seen,
         )
-    return _values(out, trained, about)
 
 
 def _values(out: Path, trained: Trained, about: dict[str, Any]) -> Values:

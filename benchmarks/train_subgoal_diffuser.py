@@ -7,15 +7,9 @@ from typing import Final
 
 from benchmarks.console import Values
 from benchmarks.described import describe_places
-from benchmarks.training_progress import training
-from icd_agent.checkpoints import weights_sha256
-from icd_agent.diffusion.config import DiffusionConfig
+from benchmarks.train_latent import fit_diffusion, fit_latent
 from icd_agent.diffusion.train import KIND as DIFFUSION
-from icd_agent.diffusion.train import train_diffusion
-from icd_agent.latent.config import LatentConfig
 from icd_agent.latent.train import KIND as LATENT
-from icd_agent.latent.train import load_latent, train_latent
-from icd_agent.training.config import TrainingConfig
 from icd_agent.training.device import check_device
 
 WIDTH: Final = 176
@@ -52,39 +46,24 @@ def train(
         IcdError: unfitting data, unusable device, see also ``train_latent``.
     """
     check_device(device)
-    states, about = describe_places(env_id, data, None, episodes)
-    points, features = states.features.shape[1:]
-    tokens, scene_features = states.tokens.features.shape[1:]
-    sizes = LatentConfig(features, scene_features, points)
-    settings = TrainingConfig(steps=latent_steps, learning_rate=1e-3, seed=seed)
-    with training(f"latents of {env_id}", latent_steps) as seen:
-        encoder = train_latent(
-            states, sizes, settings, out / LATENT, about=about, device=device, seen=seen
-        )
-    # Read back, so that the denoiser is trained on the latents that it will meet.
-    network = load_latent(out / LATENT)
-    config = DiffusionConfig(
-        network.config.latent, scene_features, points, tokens, places=0, width=WIDTH
+    described = describe_places(env_id, data, None, episodes)
+    encoder = fit_latent(described, out / LATENT, steps=latent_steps, seed=seed, device=device)
+    denoiser = fit_diffusion(
+        described,
+        out / LATENT,
+        out / DIFFUSION,
+        steps=steps,
+        seed=seed,
+        device=device,
+        places=0,
+        width=WIDTH,
+        half=True,
     )
-    settings = TrainingConfig(steps=steps, learning_rate=1e-3, seed=seed)
-    about = {**about, "latent": weights_sha256(out / LATENT)}
-    with training(f"chains of {env_id}", steps) as seen:
-        denoiser = train_diffusion(
-            states,
-            network,
-            config,
-            settings,
-            out / DIFFUSION,
-            about=about,
-            device=device,
-            half=True,
-            seen=seen,
-        )
     parameters = sum(x.numel() for part in (encoder, denoiser) for x in part.model.parameters())
     terms = {f"latent_{name}": value for name, value in encoder.terms.items()}
     return {
         "out": str(out),
-        "seed": about["seed"],
+        "seed": described.about["seed"],
         "parameters": parameters,
         **terms,
         **denoiser.terms,

@@ -16,6 +16,7 @@ from icd_agent.chain import (
     Subgoals,
     SubgoalSource,
 )
+from icd_agent.completion import Completion
 from icd_agent.mppi.costs import collision_cost, nearest_subgoal_cost, squared_distance
 from icd_agent.mppi.planner import MPPI, MPPIConfig
 from icd_agent.options import is_count, is_finite, require
@@ -137,6 +138,7 @@ class SubgoalTracker:
         self._simulator = episode.simulator
         self._planner = MPPI(self.mppi_config, episode.action_scale)
         self._rng = np.random.default_rng(seed)
+        self._completion = Completion(episode.canonical_cloud)
         self._chain: SubgoalChain | None = None
         self._since_asked = 0
         self.plan_info = None
@@ -145,7 +147,8 @@ class SubgoalTracker:
         """Plan one step.
 
         Args:
-            observation: of the simulator's present state; not changed.
+            observation: of the simulator's present state; not changed. Points of the object that a
+                partial one hides are guessed from those it shows.
 
         Returns:
             (3,) in [-1, 1]; zero if no rollout was usable, with the reason in ``plan_info``.
@@ -155,7 +158,7 @@ class SubgoalTracker:
         """
         if self._episode is None:
             raise EpisodeStateError("act() before reset(): call reset(episode, seed) first")
-        chain = self._follow(self._episode, observation)
+        chain = self._follow(self._episode, self._completion(observation))
 
         times = [time.perf_counter()]
         actions = self._planner.sample(self._rng)

@@ -9,8 +9,9 @@ from typing import Final
 
 from icd_envs.errors import CheckpointError, unknown_name
 
-GLOBAL_FIELD: Final = "global-field"
-"""Part that only the baseline Global NDF needs; the others are named by kind of network."""
+GLOBAL_NDF: Final = "global-ndf"
+"""Part with the field, the autoencoder and the denoiser of the baseline of that name; ICD's own are
+named by kind of network."""
 SUBGOAL_DIFFUSER: Final = "subgoal-diffuser"
 """Part with the autoencoder and the denoiser of the baseline of that name."""
 DIFFUSION_POLICY: Final = "diffusion-policy"

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import closing
 from typing import Literal
 
+from benchmarks.conditions import parse_options
 from benchmarks.interrupts import interruptible
 from benchmarks.provenance import cpu_count
 from benchmarks.registry import agent_factory, check_env_id
@@ -22,6 +23,7 @@ def watch_agent(
     agent: str,
     env_id: str,
     *,
+    options: Sequence[str] = (),
     seed: int,
     episode: int,
     viewer: Viewer,
@@ -34,6 +36,7 @@ def watch_agent(
     Args:
         agent: name or ``module:attr``.
         env_id: id of an environment of ours.
+        options: of the task, each as ``name=value``.
         seed: base seed, as of ``icd-bench run``.
         episode: the first one.
         viewer: where to draw.
@@ -50,7 +53,8 @@ def watch_agent(
     check_env_id(env_id)
     agent_factory(agent)
     controls = Controls()
-    with closing(Session(agent, env_id, seed=seed, threads=cpu_count())) as session:
+    session = Session(agent, env_id, options=parse_options(options), seed=seed, threads=cpu_count())
+    with closing(session):
         view: View
         if viewer == "mujoco":
             view = DesktopView(controls)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.conditions import TaskSpec, make_env
+from benchmarks.conditions import Condition, Option, TaskSpec, make_env
 from benchmarks.errors import reason
 from benchmarks.generators import seed_global_generators
 from benchmarks.plan import Job
@@ -69,21 +69,30 @@ class Session:
         errors: episodes that ended because agent or environment raised.
     """
 
-    def __init__(self, agent: str, env_id: str, *, seed: int = 0, threads: int = 1) -> None:
+    def __init__(
+        self,
+        agent: str,
+        env_id: str,
+        *,
+        options: tuple[tuple[str, Option], ...] = (),
+        seed: int = 0,
+        threads: int = 1,
+    ) -> None:
         """Make agent and environment.
 
         Args:
             agent: name or ``module:attr``.
             env_id: id of one of this project's environments.
+            options: arguments of ``gymnasium.make``, by name.
             seed: base seed, as of ``icd-bench run``: the same episodes.
             threads: for the agent's simulator.
 
         Raises:
-            InvalidOptionError: unknown agent, or an environment of another kind.
+            InvalidOptionError: unknown agent or option, or an environment of another kind.
         """
         self.agent_name = agent
         self._agent: Agent = make_agent(agent, Offer(env_id))
-        made = make_env(TaskSpec(env_id)).unwrapped
+        made = make_env(TaskSpec(env_id, Condition("watched", options))).unwrapped
         if not isinstance(made, ContactEnv):
             made.close()
             raise InvalidOptionError(

@@ -10,6 +10,7 @@ import torch
 from torch import Tensor
 
 from icd_agent.checkpoints import save_checkpoint
+from icd_agent.completion import Completion
 from icd_agent.field.field import SceneField
 from icd_agent.field.train import KIND as FIELD
 from icd_agent.field.train import load_field
@@ -69,6 +70,7 @@ class ChunkAgent:
     def reset(self, episode: Episode, seed: int) -> None:
         """Begin an episode; ``seed`` is the only source of randomness."""
         self._rng = np.random.default_rng(seed)
+        self._completion = Completion(episode.canonical_cloud)
         self._scenes: tuple[Tensor, Tensor] | None = None
         self._observed: list[tuple[FloatArray, FloatArray]] = []
         self._ahead: list[Float32Array] = []
@@ -77,13 +79,15 @@ class ChunkAgent:
         """Return an action, (3,) in [-1, 1].
 
         Args:
-            observation: the present one; scenes are looked at once an episode.
+            observation: the present one; scenes are looked at once an episode, and hidden points
+                of the object are guessed from those that are seen.
 
         Raises:
             EpisodeStateError: before ``reset``.
         """
         if self._rng is None:
             raise EpisodeStateError(NOT_BEGUN)
+        observation = self._completion(observation)
         if self._scenes is None:
             self._scenes = self._look_at(observation)
         config = self.policy.config

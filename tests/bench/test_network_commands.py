@@ -114,6 +114,23 @@ def test_episode_is_drawn_from_its_beginning_to_its_end(tmp_path: Path) -> None:
     assert np.abs(left.astype(int) - right).mean() > 1
 
 
+def test_episode_is_drawn_with_options_of_the_task(tmp_path: Path) -> None:
+    command = (
+        "render",
+        "episode",
+        "--agent",
+        "random",
+        "--env",
+        CABLE,
+        "--out",
+        tmp_path / "e.png",
+    )
+    drawn = [icd_bench(*command, "--option", f"num_fixtures={count}") for count in (1, 9)]
+    assert drawn[0].exit_code == 0, drawn[0].stderr
+    assert drawn[1].exit_code == 2
+    assert "num_fixtures" in drawn[1].stderr
+
+
 def _halves(picture: Image.Image) -> tuple[tuple[int, int, int, int], ...]:
     """Boxes of the first picture of the upper row and the last one of the lower."""
     width, height = picture.size

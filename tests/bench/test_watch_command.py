@@ -37,6 +37,8 @@ FINE = ["--agent", "random", "--env", CABLE, "--port", "0"]
         (["--host", "192.0.2.1"], "cannot be listened on"),
         (["--seed", "-1"], "--seed"),
         (["--episode", "-1"], "--episode"),
+        (["--option", "goals"], "--option must be name=value"),
+        (["--option", "goals=contacts"], "contact"),
     ],
 )
 def test_usage_errors_exit_2_in_one_line(changes: list[str], message: str) -> None:

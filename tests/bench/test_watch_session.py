@@ -49,6 +49,19 @@ def test_episodes_are_those_of_the_benchmark(sessions: list[Session]) -> None:
     assert session.advance() is moment  # nothing happens after the end
 
 
+def test_options_are_those_of_the_task(sessions: list[Session]) -> None:
+    session = Session("expert", CABLE, options=(("goals", "contact"),))
+    sessions.append(session)
+    moment = session.begin(3)
+    reached = []
+    while not moment.end:
+        moment = session.advance()
+        reached.append(moment.success)
+    # Such a goal must be kept, so that success does not end the episode.
+    assert (moment.end, moment.step, moment.success) == ("out of time", 300, True)
+    assert reached.index(True) < 299
+
+
 @pytest.mark.parametrize("env_id", ENV_IDS)
 def test_expert_is_watched_to_success_in_every_environment(
     sessions: list[Session], env_id: str
