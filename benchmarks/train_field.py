@@ -16,7 +16,6 @@ from icd_agent.training.config import TrainingConfig
 from icd_agent.training.device import check_device
 from icd_agent.weights import weights_name
 
-
 Scope = Literal["local", "global"]
 
 
