@@ -9,7 +9,19 @@ from typing import Annotated
 import typer
 
 from benchmarks.console import AsJson, errors_in_one_line
-from benchmarks.network_commands import Data, Device, Env, Episodes, Out, Seed, Steps, say
+from benchmarks.network_commands import (
+    AS_SHIPPED,
+    Data,
+    Device,
+    Env,
+    Episodes,
+    Out,
+    Seed,
+    Steps,
+    say,
+)
+
+LatentSteps = Annotated[int, typer.Option(min=1, help="Optimiser steps of the autoencoder.")]
 
 
 def train_subgoal_diffuser(
@@ -17,9 +29,7 @@ def train_subgoal_diffuser(
     data: Data,
     out: Out,
     device: Device = "cpu",
-    latent_steps: Annotated[
-        int, typer.Option(min=1, help="Optimiser steps of the autoencoder.")
-    ] = 4000,
+    latent_steps: LatentSteps = 4000,
     steps: Steps = 8000,
     episodes: Episodes = 1500,
     seed: Seed = 0,
@@ -34,6 +44,39 @@ def train_subgoal_diffuser(
             data,
             out,
             device=device,
+            latent_steps=latent_steps,
+            steps=steps,
+            episodes=episodes,
+            seed=seed,
+        )
+        say(values, as_json)
+
+
+def train_global_ndf(
+    env: Env,
+    data: Data,
+    out: Out,
+    device: Device = "cpu",
+    field_steps: Annotated[
+        int | None,
+        typer.Option(min=1, help="Optimiser steps of the field.", show_default=AS_SHIPPED),
+    ] = None,
+    latent_steps: LatentSteps = 4000,
+    steps: Steps = 8000,
+    episodes: Episodes = 1500,
+    seed: Seed = 0,
+    as_json: AsJson = False,
+) -> None:
+    """Train the baseline Global NDF: a field with one code a scene, and ICD's networks on it."""
+    with errors_in_one_line():
+        from benchmarks.train_global_ndf import train
+
+        values = train(
+            env,
+            data,
+            out,
+            device=device,
+            field_steps=field_steps,
             latent_steps=latent_steps,
             steps=steps,
             episodes=episodes,
@@ -102,6 +145,7 @@ def train_sac_her(
 def offer(train: typer.Typer) -> None:
     """Add the commands to ``icd-bench train``."""
     train.command("subgoal-diffuser")(train_subgoal_diffuser)
+    train.command("global-ndf")(train_global_ndf)
     train.command("sac-her")(train_sac_her)
     for name, paper_name in (
         ("diffusion-policy", "Diffusion Policy"),

@@ -16,6 +16,8 @@ from icd_agent.training.config import TrainingConfig
 from icd_agent.training.device import check_device
 from icd_agent.weights import weights_name
 
+SCENES: Final = 1500
+"""Episodes whose scenes a field is trained on, at most."""
 Scope = Literal["local", "global"]
 
 

@@ -6,15 +6,9 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.console import Values
-from benchmarks.described import Described, describe
-from benchmarks.training_progress import training
-from icd_agent.checkpoints import weights_sha256
-from icd_agent.diffusion.config import DiffusionConfig
-from icd_agent.diffusion.train import train_diffusion
-from icd_agent.latent.config import LatentConfig
+from benchmarks.described import describe
+from benchmarks.train_chains import fit_diffusion, fit_latent
 from icd_agent.latent.train import KIND as LATENT
-from icd_agent.latent.train import load_latent, train_latent
-from icd_agent.training.config import TrainingConfig
 from icd_agent.training.device import check_device
 from icd_agent.training.loop import Trained
 from icd_agent.weights import shipped_folder
@@ -91,76 +85,6 @@ def diffusion(
     described = describe(env_id, data, field, episodes)
     trained = fit_diffusion(described, folder, out, steps=steps, seed=seed, device=device)
     return _values(out, trained, described.about)
-
-
-def fit_latent(described: Described, out: Path, *, steps: int, seed: int, device: str) -> Trained:
-    """Train an autoencoder of described states, showing progress.
-
-    Args:
-        described: the states.
-        out: of the run.
-        steps: optimiser steps in all.
-        seed: of initial weights and data.
-        device: where to train.
-    """
-    states, about = described
-    points, features = states.features.shape[1:]
-    config = LatentConfig(features, states.tokens.features.shape[-1], points)
-    settings = TrainingConfig(steps=steps, learning_rate=1e-3, seed=seed)
-    with training(f"latents of {about['env']}", steps) as seen:
-        return train_latent(states, config, settings, out, about=about, device=device, seen=seen)
-
-
-def fit_diffusion(
-    described: Described,
-    latent: Path,
-    out: Path,
-    *,
-    steps: int,
-    seed: int,
-    device: str,
-    places: int = DiffusionConfig.places,
-    width: int = DiffusionConfig.width,
-    half: bool = False,
-) -> Trained:
-    """Train a denoiser of chains of described states, showing progress.
-
-    Args:
-        described: the states.
-        latent: folder of the autoencoder whose latents it is to meet.
-        out: of the run.
-        steps: optimiser steps in all.
-        seed: of initial weights and data.
-        device: where to train.
-        places: see ``DiffusionConfig``.
-        width: see ``DiffusionConfig``.
-        half: save the weights in half precision.
-    """
-    states, about = described
-    network = load_latent(latent)
-    tokens, scene_features = states.tokens.features.shape[1:]
-    config = DiffusionConfig(
-        network.config.latent,
-        scene_features,
-        network.config.points,
-        tokens,
-        places=places,
-        width=width,
-    )
-    settings = TrainingConfig(steps=steps, learning_rate=1e-3, seed=seed)
-    about = {**about, "latent": weights_sha256(latent)}
-    with training(f"chains of {about['env']}", steps) as seen:
-        return train_diffusion(
-            states,
-            network,
-            config,
-            settings,
-            out,
-            about=about,
-            device=device,
-            half=half,
-            seen=seen,
-        )
 
 
 def _values(out: Path, trained: Trained, about: dict[str, Any]) -> Values:

@@ -7,9 +7,7 @@ from typing import Final
 
 from benchmarks.console import Values
 from benchmarks.described import describe_places
-from benchmarks.train_latent import fit_diffusion, fit_latent
-from icd_agent.diffusion.train import KIND as DIFFUSION
-from icd_agent.latent.train import KIND as LATENT
+from benchmarks.train_chains import fit_chains
 from icd_agent.training.device import check_device
 
 WIDTH: Final = 176
@@ -47,24 +45,13 @@ def train(
     """
     check_device(device)
     described = describe_places(env_id, data, None, episodes)
-    encoder = fit_latent(described, out / LATENT, steps=latent_steps, seed=seed, device=device)
-    denoiser = fit_diffusion(
+    return fit_chains(
         described,
-        out / LATENT,
-        out / DIFFUSION,
+        out,
+        latent_steps=latent_steps,
         steps=steps,
         seed=seed,
         device=device,
         places=0,
         width=WIDTH,
-        half=True,
     )
-    parameters = sum(x.numel() for part in (encoder, denoiser) for x in part.model.parameters())
-    terms = {f"latent_{name}": value for name, value in encoder.terms.items()}
-    return {
-        "out": str(out),
-        "seed": described.about["seed"],
-        "parameters": parameters,
-        **terms,
-        **denoiser.terms,
-    }

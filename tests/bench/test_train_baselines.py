@@ -10,6 +10,7 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
+from baselines.global_ndf import make_global_ndf
 from baselines.subgoal_diffuser import compose
 from icd_agent.field.train import KIND as FIELD
 from icd_agent.field.train import load_field
@@ -85,8 +86,23 @@ def test_subgoal_diffuser_is_trained_and_goes_on(data: Path, tmp_path: Path) -> 
     acts(compose(CABLE, tmp_path, "improved"), simulator=True)
 
 
+def test_global_ndf_is_trained_and_goes_on(data: Path, tmp_path: Path) -> None:
+    steps = ("--field-steps", 2, "--latent-steps", 2, "--steps", 2)
+    train = ("train", "global-ndf", "--env", CABLE, "--data", data, "--out", tmp_path, *steps)
+    first = icd_bench(*train, "--json")
+    assert first.exit_code == 0, first.stderr
+    values = json.loads(first.stdout)
+    assert min(values[name] for name in ("field_loss", "latent_recon", "loss")) > 0
+    parts = [tmp_path / part / "model.safetensors" for part in ("field", "latent", "diffusion")]
+    before = [part.read_bytes() for part in parts]
+    assert icd_bench(*train).exit_code == 0
+    assert [part.read_bytes() for part in parts] == before
+    assert load_field(tmp_path / FIELD).config.scope == "global"
+    acts(make_global_ndf(CABLE, tmp_path), simulator=True)
+
+
 def test_training_refuses_other_data_in_one_line(data: Path, tmp_path: Path) -> None:
-    for name in ("subgoal-diffuser", "diffusion-policy", "dp3"):
+    for name in ("subgoal-diffuser", "global-ndf", "diffusion-policy", "dp3"):
         command = ("train", name, "--env", "ICDNotebookFolding-v0", "--data", data)
         refused = icd_bench(*command, "--out", tmp_path / name)
         assert refused.exit_code == 2

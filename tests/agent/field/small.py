@@ -13,7 +13,9 @@ from icd_envs.geometry.point_cloud import sample_scene
 from icd_envs.geometry.sdf import BoxUnion
 from icd_envs.tasks.cable_routing import CableRouting
 
-SMALL = FieldConfig(anchors=32, channels=4, edge_width=8, width=16, descriptor=8)
+SMALL = FieldConfig(
+    anchors=32, channels=4, code_channels=16, code_blocks=2, edge_width=8, width=16, descriptor=8
+)
 
 
 def small_field(seed: int = 0, config: FieldConfig = SMALL) -> SceneField:

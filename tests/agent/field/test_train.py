@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -42,11 +44,13 @@ def test_batches_repeat_and_companions_are_near(data: FieldData) -> None:
     assert len(first) == len(second) == 90
 
 
-def test_it_learns(data: FieldData, tmp_path: Path) -> None:
+@pytest.mark.parametrize("scope", ["local", "global"])
+def test_it_learns(data: FieldData, tmp_path: Path, scope: Literal["local", "global"]) -> None:
     seen: list[float] = []
     config = TrainingConfig(steps=60, learning_rate=3e-3, warmup=5, log_every=20)
+    sizes = replace(SMALL, scope=scope)
     train_field(
-        data, SMALL, config, tmp_path, about={}, seen=lambda _, terms: seen.append(terms["loss"])
+        data, sizes, config, tmp_path, about={}, seen=lambda _, terms: seen.append(terms["loss"])
     )
     assert seen[-1] < 0.6 * seen[0]
 
