@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import torch
+from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 from scipy.stats import kendalltau
 
@@ -21,7 +22,7 @@ from icd_agent.field.supervision import supervise
 from icd_agent.mppi.costs import nearest_subgoal_cost, squared_distance
 from icd_agent.mppi.planner import MPPI
 from icd_agent.mppi.presets import preset
-from icd_envs.api import Float32Array, Observation, Oracle
+from icd_envs.api import Float32Array, FloatArray, Observation, Oracle
 from icd_envs.geometry.sdf import BoxUnion
 from icd_envs.tasks.env import ContactEnv
 
@@ -48,8 +49,11 @@ def diagnose(env_id: str, scenes: int, *, seed: int, weights: Path | None) -> Va
         ``occupancy_iou`` within 3 cm of surfaces; ``gradient_cosine`` within 10 cm;
         ``yaw_invariance``, the largest relative change of a descriptor when scene and point are
         turned and moved together, and ``roll_sensitivity``, the mean one when they are rolled by
-        90 degrees; ``interpolation_error`` of the baked field where the object is, in units of
-        descriptors, beside ``step_distance``, that of consecutive subgoals; ``kendall_tau``
+        90 degrees; ``transfer_error``, how far in the material a point of the goal is from that
+        point of the expert's last state whose descriptor is nearest: 0 is the same point, 1 as far
+        as a random one (near 0 unless the goal is of another scene); ``interpolation_error`` of the
+        baked field where the object is, in units of descriptors, beside ``step_distance``, that of
+        consecutive subgoals; ``kendall_tau``
         between baked and exact costs of MPPI's samples half-way through the expert's solution;
         ``progress_correlation``, Kendall's tau between the descriptor distance to the goal and the
         expert's steps left; ``bake_seconds``.
@@ -61,13 +65,15 @@ def diagnose(env_id: str, scenes: int, *, seed: int, weights: Path | None) -> Va
     with field_in_test_scenes(env_id, weights) as (field, env):
         for i in range(scenes):
             observation, _ = env.reset(seed=seed + i)
-            oracle = env.episode(oracle=True).oracle
+            episode = env.episode(oracle=True)
+            oracle = episode.oracle
             assert oracle is not None
             rng = np.random.default_rng([seed + i])
             solid = BoxUnion(env.task.boxes(oracle.scene))
             found.append(
                 _truth(field, observation["scene"], solid, rng)
                 | _invariance(field, observation["scene"], rng)
+                | _transfer(field, observation, oracle.points[-1], episode.canonical_cloud)
                 | _planning(field, observation, oracle, env, rng)
             )
     values: Values = {"scenes": scenes}
@@ -115,6 +121,17 @@ def _invariance(
     yawed = np.linalg.norm(descriptors(yaw, shift) - before, axis=-1) / size
     rolled = np.linalg.norm(descriptors(roll, np.zeros(3)) - before, axis=-1) / size
     return {"yaw_invariance": float(yawed.max()), "roll_sensitivity": float(rolled.mean())}
+
+
+def _transfer(
+    field: SceneField, observation: Observation, solved: FloatArray, canonical: FloatArray
+) -> dict[str, float]:
+    wanted = exact_features(field, observation["goal_scene"])(observation["desired_goal"])
+    found = exact_features(field, observation["scene"])(solved)
+    nearest = cKDTree(found).query(wanted)[1]
+    apart = np.linalg.norm(canonical[nearest] - canonical, axis=-1)
+    random = np.linalg.norm(canonical[:, None] - canonical, axis=-1)
+    return {"transfer_error": float(apart.mean() / random.mean())}
 
 
 def _planning(

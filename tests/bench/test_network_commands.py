@@ -21,6 +21,7 @@ DIAGNOSED = {
     "gradient_cosine",
     "yaw_invariance",
     "roll_sensitivity",
+    "transfer_error",
     "kendall_tau",
     "bake_seconds",
     "interpolation_error",
@@ -90,6 +91,7 @@ def test_diagnosis_has_every_value_of_its_promise(weights: Path) -> None:
     # Laws of the network, which hold for any weights.
     assert values["yaw_invariance"] < 1e-3
     assert values["roll_sensitivity"] > 0.05
+    assert 0 <= values["transfer_error"] < 0.3  # the goal is of the same scene
     assert 0 <= values["occupancy_iou"] <= 1
     assert -1 <= values["gradient_cosine"] <= 1
 
