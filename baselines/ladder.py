@@ -10,7 +10,7 @@ import numpy as np
 from icd_agent.chain import Placed, PointSpace, Subgoals, SubgoalSource
 from icd_agent.mppi.presets import preset
 from icd_agent.tracking import SubgoalTracker, TrackerConfig
-from icd_agent.weights import shipped_folder, weights_name
+from icd_agent.weights import GLOBAL_FIELD, shipped_folder, weights_name
 from icd_envs.api import Episode, Observation
 from icd_envs.errors import InvalidOptionError
 
@@ -90,6 +90,11 @@ def make_transferred_descriptors(env_id: str) -> SubgoalTracker:
     return _track_descriptors(OracleSource("goal"), env_id)
 
 
+def make_transferred_global(env_id: str) -> SubgoalTracker:
+    """Build the same with descriptors of a field that has one code for the whole scene."""
+    return _track_descriptors(OracleSource("goal"), env_id, GLOBAL_FIELD)
+
+
 def make_vae(env_id: str) -> SubgoalTracker:
     """Build rung 3: oracle subgoals through the autoencoder and back; what fails here is it."""
     from icd_agent.encoded import EncodedSource
@@ -121,9 +126,9 @@ def _track_as_icd(source: SubgoalSource, env_id: str) -> SubgoalTracker:
     return SubgoalTracker(source, FieldSpace.shipped(env_id), preset(settings.mppi), config)
 
 
-def _track_descriptors(source: SubgoalSource, env_id: str) -> SubgoalTracker:
+def _track_descriptors(source: SubgoalSource, env_id: str, field: str = "field") -> SubgoalTracker:
     from icd_agent.field.space import FieldSpace
 
-    space = FieldSpace.shipped(env_id)
+    space = FieldSpace.shipped(env_id, field)
     config = WITH_CARE if weights_name(env_id) == "notebook-folding" else BY_CONTACT
     return SubgoalTracker(source, space, preset("adaptive"), config)

@@ -50,6 +50,7 @@ AGENTS: dict[str, str] = {
     "ladder:far-field": "baselines.field_parts:make_far_field",
     "ladder:transferred-points": "baselines.ladder:make_transferred_points",
     "ladder:transferred-descriptors": "baselines.ladder:make_transferred_descriptors",
+    "ladder:transferred-global": "baselines.ladder:make_transferred_global",
 }
 FORMS: Final[dict[str, str]] = {
     "name@folder": "an agent of the above with the weights in a folder, as training leaves them",

@@ -27,16 +27,17 @@ class FieldSpace:
         self._bake = bake
 
     @classmethod
-    def shipped(cls, env_id: str) -> FieldSpace:
+    def shipped(cls, env_id: str, part: str = KIND) -> FieldSpace:
         """With the weights that come with the package for this environment.
 
         Args:
             env_id: id of the environment.
+            part: which field: ICD's own, or ``icd_agent.weights.GLOBAL_FIELD``.
 
         Raises:
             CheckpointError: there are none, or they are damaged.
         """
-        return cls(load_field(shipped_folder(env_id, KIND)))
+        return cls(load_field(shipped_folder(env_id, part)))
 
     def place(self, observation: Observation) -> Placed:
         """Bake the present scene; the goal's, if it is another, is asked exactly."""
