@@ -46,7 +46,10 @@ SCALES: Final = {"notebook-folding": Scales(0.5, 0.15, 0.05, 384, 4500)}
 def scales_of(env_id: str, scope: Scope) -> Scales:
     """Those that the shipped weights of this environment were trained with, or the default."""
     scales = SCALES.get(weights_name(env_id) or "", Scales())
-    return scales if scope == "local" else scales._replace(anchors=64, steps=6000)
+    if scope == "local":
+        return scales
+    steps = 4000 if weights_name(env_id) == "notebook-folding" else 6000
+    return scales._replace(anchors=64, steps=steps)
 
 
 def train(

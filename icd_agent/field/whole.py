@@ -1,7 +1,8 @@
 """One code for a whole scene, and what it says about a point: the paper's baseline Global NDF.
 
 The first NDF (Simeonov et al., 2022) averages what is known of all points, in rounds in which every
-point is told the average, and multiplies a query with the vectors of the last one.
+point is told the average, and multiplies a query with the vectors of the last one. Here sines of
+these products and distances to the vectors' ends are told beside them.
 """
 
 from __future__ import annotations
