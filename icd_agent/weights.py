@@ -9,8 +9,10 @@ from typing import Final
 
 from icd_envs.errors import CheckpointError, unknown_name
 
-GLOBAL_FIELD: Final = "global-ndf/field"
-"""Part that the baseline Global NDF has of its own; ICD's parts are named by kind of network."""
+GLOBAL_NDF: Final = "global-ndf"
+"""Part with field, autoencoder and denoiser of the baseline of that name; ICD's own parts are named
+by kind of network."""
+GLOBAL_FIELD: Final = f"{GLOBAL_NDF}/field"
 SUBGOAL_DIFFUSER: Final = "subgoal-diffuser"
 """Part with the autoencoder and the denoiser of the baseline of that name."""
 DIFFUSION_POLICY: Final = "diffusion-policy"
