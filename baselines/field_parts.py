@@ -5,20 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final, Literal
 
-import numpy as np
 from torch import Tensor
 
 from icd_agent.agent import PRESETS, best_preset, load_networks
-from icd_agent.chain import CostSpace, Placed, PointSpace, ReplanningSource, Subgoals
+from icd_agent.chain import CostSpace, PointSpace
 from icd_agent.diffused import DiffusedSource
 from icd_agent.diffusion.generate import Generator
 from icd_agent.field.encoder import SceneCode
 from icd_agent.field.field import FieldOutput, SceneField
-from icd_agent.field.space import FieldSpace
+from icd_agent.field.space import ExactFieldSpace, FieldSpace
 from icd_agent.mppi.presets import preset
 from icd_agent.tracking import SubgoalTracker
 from icd_agent.weights import shipped_folder
-from icd_envs.api import Episode, Observation
 
 REACH: Final = 0.1
 """[m] from a surface, over which one part of the field fades and the other begins."""
@@ -41,52 +39,6 @@ class PartOfField(SceneField):
         far = away.clamp(0.0, 1.0)[..., None]
         weight = far if self._part == "far" else 1.0 - far
         return found._replace(descriptor=weight * found.descriptor)
-
-
-class SeenElsewhere:
-    """A source that thinks in one cost space while its chain is followed in another.
-
-    Its subgoals are handed on as clouds, so that only the costs differ.
-    """
-
-    needs_oracle = False
-
-    def __init__(self, source: ReplanningSource, space: CostSpace) -> None:
-        """Put together.
-
-        Args:
-            source: its chains have clouds.
-            space: in which it thinks.
-        """
-        self._source = source
-        self._space = space
-        self._placed: Placed | None = None
-
-    def chain(
-        self, episode: Episode, observation: Observation, space: Placed, rng: np.random.Generator
-    ) -> Subgoals:
-        """Begin an episode: subgoals from now to the goal, in ``space``."""
-        self._placed = self._space.place(observation)
-        return _seen(self._source.chain(episode, observation, self._placed, rng), space)
-
-    def again(
-        self,
-        episode: Episode,
-        observation: Observation,
-        space: Placed,
-        rng: np.random.Generator,
-        index: int | None,
-    ) -> Subgoals | None:
-        """Return another chain, or None to keep what is left of the last."""
-        assert self._placed is not None
-        found = self._source.again(episode, observation, self._placed, rng, index)
-        return None if found is None else _seen(found, space)
-
-
-def _seen(subgoals: Subgoals, space: Placed) -> Subgoals:
-    clouds = subgoals.clouds
-    assert clouds is not None
-    return Subgoals(space.here(clouds), clouds)
 
 
 def make_places(env_id: str) -> SubgoalTracker:
@@ -113,7 +65,7 @@ def _follow_in(env_id: str, make_space: Callable[[SceneField], CostSpace]) -> Su
     networks = load_networks(shipped_folder(env_id))
     settings = PRESETS[best_preset(env_id)]
     generator = Generator(networks.diffusion, networks.latent, settings.chain)
-    source = DiffusedSource(networks.field, networks.latent, generator)
-    seen = SeenElsewhere(source, FieldSpace(networks.field))
+    encoded_in = ExactFieldSpace(networks.encoded)
+    source = DiffusedSource(networks.encoded, networks.latent, generator, encoded_in=encoded_in)
     space = make_space(networks.field)
-    return SubgoalTracker(seen, space, preset(settings.mppi), settings.tracker)
+    return SubgoalTracker(source, space, preset(settings.mppi), settings.tracker)

@@ -1,11 +1,11 @@
-"""ICD as it does best and as the paper describes it, with the weights of the package or others."""
+"""ICD as it does best, on the local field alone and as the paper describes it."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 from icd_agent.agent import ICDAgent, best_preset, load_networks
-from icd_agent.weights import shipped_folder
+from icd_agent.weights import LOCAL, shipped_folder
 
 
 def make_icd(env_id: str, weights: Path | None = None) -> ICDAgent:
@@ -13,6 +13,11 @@ def make_icd(env_id: str, weights: Path | None = None) -> ICDAgent:
     return ICDAgent(load_networks(weights or shipped_folder(env_id)), best_preset(env_id))
 
 
+def make_icd_local(env_id: str, weights: Path | None = None) -> ICDAgent:
+    """Build it with one field, the local one, in which chains are generated and followed."""
+    return ICDAgent(load_networks(weights or shipped_folder(env_id, LOCAL)), best_preset(env_id))
+
+
 def make_icd_paper(env_id: str, weights: Path | None = None) -> ICDAgent:
-    """Build it as the paper describes it: one chain, the goal in-painted, white noise."""
-    return ICDAgent(load_networks(weights or shipped_folder(env_id)), "paper")
+    """Build it as the paper describes it: besides, one chain, the goal in-painted, white noise."""
+    return ICDAgent(load_networks(weights or shipped_folder(env_id, LOCAL)), "paper")

@@ -10,7 +10,7 @@ import numpy as np
 from icd_agent.chain import Placed, PointSpace, Subgoals, SubgoalSource
 from icd_agent.mppi.presets import preset
 from icd_agent.tracking import SubgoalTracker, TrackerConfig
-from icd_agent.weights import GLOBAL_FIELD, shipped_folder, weights_name
+from icd_agent.weights import WHOLE, shipped_folder, weights_name
 from icd_envs.api import Episode, Observation
 from icd_envs.errors import InvalidOptionError
 
@@ -92,7 +92,7 @@ def make_transferred_descriptors(env_id: str) -> SubgoalTracker:
 
 def make_transferred_global(env_id: str) -> SubgoalTracker:
     """Build the same with descriptors of a field that has one code for the whole scene."""
-    return _track_descriptors(OracleSource("goal"), env_id, GLOBAL_FIELD)
+    return _track_descriptors(OracleSource("goal"), env_id, WHOLE)
 
 
 def make_vae(env_id: str) -> SubgoalTracker:
@@ -100,8 +100,8 @@ def make_vae(env_id: str) -> SubgoalTracker:
     from icd_agent.encoded import EncodedSource
     from icd_agent.latent.train import KIND, load_latent
 
-    latent = load_latent(shipped_folder(env_id, KIND))
-    return _track_as_icd(EncodedSource(OracleSource(), latent), env_id)
+    source = EncodedSource(OracleSource(), load_latent(shipped_folder(env_id, KIND)))
+    return _track_as_icd(source, env_id)
 
 
 def make_retrieved_chain(env_id: str) -> SubgoalTracker:
@@ -111,19 +111,21 @@ def make_retrieved_chain(env_id: str) -> SubgoalTracker:
     from icd_agent.diffusion.generate import Generator
     from icd_agent.diffusion.retrieval import KIND, Retriever, load_bank
 
-    field, latent, denoiser = load_networks(shipped_folder(env_id))
-    generator = Generator(denoiser, latent, PRESETS[best_preset(env_id)].chain)
+    networks = load_networks(shipped_folder(env_id))
+    generator = Generator(networks.diffusion, networks.latent, PRESETS[best_preset(env_id)].chain)
     retriever = Retriever(generator, load_bank(shipped_folder(env_id, KIND)))
-    return _track_as_icd(DiffusedSource(field, latent, retriever), env_id)
+    return _track_as_icd(DiffusedSource(networks.encoded, networks.latent, retriever), env_id)
 
 
 def _track_as_icd(source: SubgoalSource, env_id: str) -> SubgoalTracker:
+    """Follow decoded subgoals: with ICD's tracker, in the field that they were encoded in."""
     from icd_agent.agent import PRESETS, best_preset
     from icd_agent.field.space import FieldSpace
 
     settings = PRESETS[best_preset(env_id)]
     config = replace(settings.tracker, replan_every=None)
-    return SubgoalTracker(source, FieldSpace.shipped(env_id), preset(settings.mppi), config)
+    space = FieldSpace.shipped(env_id, WHOLE)
+    return SubgoalTracker(source, space, preset(settings.mppi), config)
 
 
 def _track_descriptors(source: SubgoalSource, env_id: str, field: str = "field") -> SubgoalTracker:

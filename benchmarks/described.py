@@ -17,7 +17,7 @@ from icd_agent.field.train import load_field
 from icd_agent.scene_points import placed_in
 from icd_agent.scene_tokens import SceneTokens, scene_tokens
 from icd_agent.states import States, describe_states
-from icd_agent.weights import shipped_folder
+from icd_agent.weights import WHOLE, shipped_folder
 from icd_envs.api import Float32Array, FloatArray
 from icd_envs.demonstrations import Demonstrations
 from icd_envs.errors import DemonstrationsError
@@ -54,7 +54,7 @@ def describe(env_id: str, data: Path, field: Path | None, episodes: int) -> Desc
     Args:
         env_id: what the demonstrations must be of.
         data: folder of the demonstrations.
-        field: folder of the field; None is the package's.
+        field: folder of the field; None is the package's with one code for the whole scene.
         episodes: how many are used, at most.
 
     Raises:
@@ -64,7 +64,8 @@ def describe(env_id: str, data: Path, field: Path | None, episodes: int) -> Desc
     def descriptors(network: SceneField, scene: Float32Array) -> tuple[Features, SceneTokens]:
         return exact_features(network, scene), scene_tokens(network, scene)
 
-    return _describe(env_id, data, field, episodes, descriptors, "descriptors")
+    folder = shipped_folder(env_id, WHOLE) if field is None else field
+    return _describe(env_id, data, folder, episodes, descriptors, "descriptors")
 
 
 def describe_places(env_id: str, data: Path, field: Path | None, episodes: int) -> Described:
@@ -73,7 +74,7 @@ def describe_places(env_id: str, data: Path, field: Path | None, episodes: int) 
     Args:
         env_id: what the demonstrations must be of.
         data: folder of the demonstrations.
-        field: folder of the field, which describes scenes; None is the package's.
+        field: folder of the field, which describes scenes; None is the package's local one.
         episodes: how many are used, at most.
 
     Raises:
@@ -88,7 +89,8 @@ def describe_places(env_id: str, data: Path, field: Path | None, episodes: int) 
 
         return features, tokens
 
-    states, about = _describe(env_id, data, field, episodes, places, "places")
+    folder = shipped_folder(env_id, FIELD) if field is None else field
+    states, about = _describe(env_id, data, folder, episodes, places, "places")
     begun = states.middle[states.first[states.episode]]
     return Described(states._replace(middle=begun), about)
 
@@ -96,14 +98,13 @@ def describe_places(env_id: str, data: Path, field: Path | None, episodes: int) 
 def _describe(
     env_id: str,
     data: Path,
-    field: Path | None,
+    field: Path,
     episodes: int,
     look: Callable[[SceneField, Float32Array], tuple[Features, SceneTokens]],
     kind: Literal["descriptors", "places"],
 ) -> Described:
     demonstrations = read_demonstrations(env_id, data)
-    folder = shipped_folder(env_id, FIELD) if field is None else field
-    network, weights = load_field(folder), weights_sha256(folder)
+    network, weights = load_field(field), weights_sha256(field)
     count = min(episodes, len(demonstrations))
     space = weights if kind == "descriptors" else f"{kind}-{weights}"
     name = space.replace(weights, weights[:8])

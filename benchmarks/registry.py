@@ -31,6 +31,7 @@ AGENTS: dict[str, str] = {
     "expert": "baselines.expert:ExpertAgent",
     "pc-mppi": "baselines.pc_mppi:make_pc_mppi",
     "icd": "baselines.icd:make_icd",
+    "icd-local": "baselines.icd:make_icd_local",
     "icd-paper": "baselines.icd:make_icd_paper",
     "ndf-mppi": "baselines.ndf_mppi:make_ndf_mppi",
     "global-ndf": "baselines.global_ndf:make_global_ndf",

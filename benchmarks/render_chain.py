@@ -58,10 +58,10 @@ def render(env_id: str, out: Path, *, seed: int, weights: Path | None) -> None:
     finally:
         env.close()
     scene = observation["scene"]
-    here = exact_features(networks.field, scene)
-    goal = exact_features(networks.field, observation["goal_scene"])
+    here = exact_features(networks.encoded, scene)
+    goal = exact_features(networks.encoded, observation["goal_scene"])
     generator = Generator(networks.diffusion, networks.latent, PRESETS["improved"].chain)
-    source = DiffusedSource(networks.field, networks.latent, generator)
+    source = DiffusedSource(networks.encoded, networks.latent, generator)
     rng = np.random.default_rng(seed)
     chain = source.chain(episode, observation, Placed(here, goal), rng)
     assert chain.begin is not None

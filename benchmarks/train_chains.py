@@ -46,7 +46,6 @@ def fit_diffusion(
     device: str,
     places: int = DiffusionConfig.places,
     width: int = DiffusionConfig.width,
-    half: bool = False,
 ) -> Trained:
     """Train a denoiser of chains of described states, showing progress.
 
@@ -59,7 +58,6 @@ def fit_diffusion(
         device: where to train.
         places: see ``DiffusionConfig``.
         width: see ``DiffusionConfig``.
-        half: save the weights in half precision.
     """
     states, about = described
     network = load_latent(latent)
@@ -83,7 +81,6 @@ def fit_diffusion(
             out,
             about=about,
             device=device,
-            half=half,
             seen=seen,
         )
 
@@ -99,7 +96,7 @@ def fit_chains(
     places: int = DiffusionConfig.places,
     width: int = DiffusionConfig.width,
 ) -> Values:
-    """Train an autoencoder, then a denoiser of its latents in half precision: a whole baseline.
+    """Train an autoencoder, then a denoiser of its latents.
 
     Args:
         described: the states.
@@ -124,7 +121,6 @@ def fit_chains(
         device=device,
         places=places,
         width=width,
-        half=True,
     )
     parameters = sum(x.numel() for part in (encoder, denoiser) for x in part.model.parameters())
     terms = {f"latent_{name}": value for name, value in encoder.terms.items()}

@@ -16,7 +16,7 @@ from icd_agent.diffusion.generate import Generator
 from icd_agent.diffusion.train import KIND as DIFFUSION
 from icd_agent.diffusion.train import load_diffusion
 from icd_agent.field.field import SceneField
-from icd_agent.field.space import FieldSpace
+from icd_agent.field.space import ExactFieldSpace, FieldSpace
 from icd_agent.field.train import KIND as FIELD
 from icd_agent.field.train import load_field
 from icd_agent.latent.model import LatentModel
@@ -25,7 +25,7 @@ from icd_agent.latent.train import load_latent
 from icd_agent.mppi.presets import preset as mppi_preset
 from icd_agent.plan_info import PlanInfo
 from icd_agent.tracking import SubgoalTracker, TrackerConfig
-from icd_agent.weights import shipped_folder, weights_name
+from icd_agent.weights import LOCAL, WHOLE, shipped_folder, weights_name
 from icd_envs.api import Episode, Float32Array, Observation, PlanView
 from icd_envs.errors import CheckpointError, EpisodeStateError, InvalidOptionError, unknown_name
 
@@ -77,11 +77,25 @@ def best_preset(source: str | Path) -> str:
 
 
 class Networks(NamedTuple):
-    """What ICD has learned, all in evaluation mode."""
+    """What ICD has learned, all in evaluation mode.
+
+    Attributes:
+        field: in whose descriptors chains are followed.
+        latent: autoencoder of object states.
+        diffusion: generates chains of its latents.
+        whole: field whose descriptors are encoded, with one code for the whole scene, because these
+            are much the same in another scene; None is ``field``, as in the paper.
+    """
 
     field: SceneField
     latent: LatentModel
     diffusion: Denoiser
+    whole: SceneField | None = None
+
+    @property
+    def encoded(self) -> SceneField:
+        """The field whose descriptors are encoded."""
+        return self.field if self.whole is None else self.whole
 
 
 def load_networks(folder: Path) -> Networks:
@@ -91,7 +105,10 @@ def load_networks(folder: Path) -> Networks:
         CheckpointError: missing or damaged weights.
     """
     return Networks(
-        load_field(folder / FIELD), load_latent(folder / LATENT), load_diffusion(folder / DIFFUSION)
+        load_field(folder / FIELD),
+        load_latent(folder / LATENT),
+        load_diffusion(folder / DIFFUSION),
+        load_field(folder / WHOLE) if (folder / WHOLE).is_dir() else None,
     )
 
 
@@ -130,19 +147,27 @@ class ICDAgent:
 
         Raises:
             InvalidOptionError: unknown preset.
-            CheckpointError: the networks do not fit one another.
+            CheckpointError: the networks do not fit one another, or the preset decodes subgoals
+                and there are two fields.
         """
         if preset not in PRESETS:
             raise InvalidOptionError(unknown_name("ICD preset", preset, PRESETS))
         _check_fit(networks)
         settings = PRESETS[preset]
+        if networks.whole is not None and not settings.chain.ask_field:
+            raise CheckpointError(
+                f"preset {preset!r} follows decoded descriptors, but these weights have another "
+                f"field to follow chains in than to encode: leave out the part {WHOLE!r}, or use "
+                "weights that were trained on one field, as the package's for this preset"
+            )
         self.networks = networks
         self.preset = preset
         self._env = env
         generator = Generator(networks.diffusion, networks.latent, settings.chain)
         space = FieldSpace(networks.field)
+        encoded_in = None if networks.whole is None else ExactFieldSpace(networks.whole)
         self.tracker = SubgoalTracker(
-            DiffusedSource(networks.field, networks.latent, generator),
+            DiffusedSource(networks.encoded, networks.latent, generator, encoded_in=encoded_in),
             WithPlaces(space, settings.places) if settings.places else space,
             mppi_preset(settings.mppi),
             settings.tracker,
@@ -156,9 +181,9 @@ class ICDAgent:
         """Load an agent.
 
         Args:
-            source: id of an environment, for the weights of the package; or a folder that
-                ``save_pretrained`` has written; or ``owner/name`` of a repository on the Hugging
-                Face hub, which is downloaded.
+            source: id of an environment, for the weights of the package (with "paper" those of ICD
+                on the local field alone); or a folder that ``save_pretrained`` has written; or
+                ``owner/name`` of a repository on the Hugging Face hub, which is downloaded.
             preset: "paper", "improved" or "careful"; None is what did best with the package's
                 weights, and "improved" for others.
             env: gives ``predict`` the simulator.
@@ -168,12 +193,19 @@ class ICDAgent:
             InvalidOptionError: unknown preset.
         """
         preset = best_preset(source) if preset is None else preset
-        return cls(load_networks(_find(source)), preset, env=env)
+        return cls(
+            load_networks(_find(source, LOCAL if preset == "paper" else "")), preset, env=env
+        )
 
     def save_pretrained(self, folder: str | Path) -> None:
         """Write the weights, for ``from_pretrained``; files of the same names are replaced."""
-        for kind, network in zip((FIELD, LATENT, DIFFUSION), self.networks, strict=True):
-            save_checkpoint(Path(folder) / kind, kind, network, network.config, {})
+        networks = self.networks
+        parts = [(FIELD, FIELD, networks.field), (LATENT, LATENT, networks.latent)]
+        parts.append((DIFFUSION, DIFFUSION, networks.diffusion))
+        if networks.whole is not None:
+            parts.append((WHOLE, FIELD, networks.whole))
+        for part, kind, network in parts:
+            save_checkpoint(Path(folder) / part, kind, network, network.config, {})
 
     @property
     def plan_info(self) -> PlanInfo | None:
@@ -228,7 +260,7 @@ class ICDAgent:
 
 
 def _check_fit(networks: Networks) -> None:
-    described, latent = networks.field.config.descriptor, networks.latent.config
+    described, latent = networks.encoded.config.descriptor, networks.latent.config
     diffusion = networks.diffusion.config
     if not latent.features == latent.scene_features == diffusion.scene_features == described:
         raise CheckpointError(
@@ -243,9 +275,10 @@ def _check_fit(networks: Networks) -> None:
         )
 
 
-def _find(source: str | Path) -> Path:
+def _find(source: str | Path, part: str) -> Path:
+    """Folder of weights; ``part`` is which of the package's."""
     if weights_name(str(source)) is not None:
-        return shipped_folder(str(source))
+        return shipped_folder(str(source), part)
     if isinstance(source, Path) or Path(source).is_dir() or source.count("/") != 1:
         return Path(source)
     from huggingface_hub import snapshot_download

@@ -1,4 +1,4 @@
-"""Where the points of the object are that a partial observation does not show."""
+"""What a partial observation shows, and where the rest of the object is."""
 
 from __future__ import annotations
 
@@ -11,6 +11,12 @@ from icd_envs.api import Float32Array, FloatArray, Observation
 
 SMOOTHING: Final = 0.01
 """[m] in the material; evens out a depth camera's noise of 2 mm per axis."""
+
+
+def seen_scene(observation: Observation) -> FloatArray:
+    """Points (M, 3) [m] of the present scene that were seen, world frame."""
+    mask, scene = observation.get("scene_mask"), observation["scene"]
+    return scene if mask is None else scene[np.asarray(mask) > 0]
 
 
 class Completion:

@@ -8,13 +8,15 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from icd_agent.chain import Placed, Subgoals
+from icd_agent.chain import CostSpace, Placed, Subgoals
+from icd_agent.completion import seen_scene
 from icd_agent.diffusion.code import SubgoalCode
 from icd_agent.diffusion.config import ChainConfig
 from icd_agent.diffusion.generate import Generated, Task
 from icd_agent.encoded import decode, encode
 from icd_agent.field.field import SceneField
 from icd_agent.latent.model import LatentModel
+from icd_agent.options import require
 from icd_agent.scene_tokens import Frame, SceneTokens, scene_tokens
 from icd_envs.api import Episode, FloatArray, Observation
 
@@ -56,19 +58,28 @@ class DiffusedSource:
         latent: LatentModel,
         generator: ChainGenerator,
         seen_from: Literal["now", "start"] = "now",
+        encoded_in: CostSpace | None = None,
     ) -> None:
         """Put together; all in evaluation mode, and trained on one another.
 
         Args:
             field: describes the scene.
-            latent: encodes and decodes features of the cost space.
+            latent: encodes and decodes features of object states.
             generator: finds chains of its latents.
             seen_from: where the object is when the scene is looked at, as in training.
+            encoded_in: whose features these are; None is the space in which the chain is followed.
+
+        Raises:
+            InvalidOptionError: ``encoded_in`` with a generator whose chains are decoded, which
+                could not be followed in another space.
         """
+        asked = generator.config.ask_field and len(generator.code.components) > 0
+        require(encoded_in is None or asked, "encoded_in", encoded_in, "None: chains are decoded")
         self._field = field
         self._latent = latent
         self._generator = generator
         self._seen_from = seen_from
+        self._encoded_in = encoded_in
         self._tokens: SceneTokens | None = None
         self._last: _Asked | None = None
 
@@ -79,7 +90,8 @@ class DiffusedSource:
 
         Now itself is not one of them.
         """
-        self._tokens = self._look(observation)
+        self._tokens = scene_tokens(self._field, seen_scene(observation))
+        self._encoded = space if self._encoded_in is None else self._encoded_in.place(observation)
         self._start = observation["achieved_goal"].mean(axis=0)
         return self._decode(self._generate(episode, observation, space, rng), space)
 
@@ -110,8 +122,8 @@ class DiffusedSource:
     ) -> _Asked:
         canonical = episode.canonical_cloud
         now, wanted = observation["achieved_goal"], observation["desired_goal"]
-        goal, described = space.goal(wanted), self._latent.config.features
-        features = np.stack([space.here(now), goal])[..., :described]
+        encoded, described = self._encoded, self._latent.config.features
+        features = np.stack([encoded.here(now), encoded.goal(wanted)])[..., :described]
         latents = encode(self._latent, features, canonical)
         foreign = not np.array_equal(observation["scene"], observation["goal_scene"])
         assert self._tokens is not None
@@ -129,7 +141,7 @@ class DiffusedSource:
             scene=torch.from_numpy(tokens.seen_from(middle, self._latent.config.scene_size)),
         )
         found = self._generator.generate(task, rng)
-        return _Asked(task, frame, found, goal, wanted, canonical)
+        return _Asked(task, frame, found, space.goal(wanted), wanted, canonical)
 
     def _decode(self, asked: _Asked, space: Placed) -> Subgoals:
         found, config = asked.found, self._generator.config
@@ -148,11 +160,6 @@ class DiffusedSource:
             clouds = space.back(features)
         self._last = asked
         return Subgoals(features[1:], None if clouds is None else clouds[1:], features[0])
-
-    def _look(self, observation: Observation) -> SceneTokens:
-        mask = observation.get("scene_mask")
-        scene = observation["scene"]
-        return scene_tokens(self._field, scene if mask is None else scene[np.asarray(mask) > 0])
 
 
 def _placed(frame: Frame, cloud: FloatArray) -> Tensor:

@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 
 from icd_agent.chain import Features, Placed
+from icd_agent.completion import seen_scene
 from icd_agent.field.field import SceneField
 from icd_agent.scene_tokens import Frame, scene_tokens
 from icd_envs.api import Float32Array, FloatArray, Observation
@@ -36,10 +37,7 @@ class ScenePoints:
     def place(self, observation: Observation) -> Placed:
         """Get ready for an episode from its first observation."""
         middle = observation["achieved_goal"].mean(axis=0)
-        mask = observation.get("scene_mask")
-        scene = observation["scene"]
-        scene = scene if mask is None else scene[np.asarray(mask) > 0]
-        frame = scene_tokens(self._field, scene).frame(middle)
+        frame = scene_tokens(self._field, seen_scene(observation)).frame(middle)
         there = frame
         if self._goal == "in its scene":
             there = scene_tokens(self._field, observation["goal_scene"]).frame(middle)

@@ -9,10 +9,11 @@ from typing import Final
 
 from icd_envs.errors import CheckpointError, unknown_name
 
-GLOBAL_NDF: Final = "global-ndf"
-"""Part with field, autoencoder and denoiser of the baseline of that name; ICD's own parts are named
-by kind of network."""
-GLOBAL_FIELD: Final = f"{GLOBAL_NDF}/field"
+WHOLE: Final = "whole"
+"""Field with one code for the whole scene, in which ICD's chains are generated; its other parts are
+named by kind of network."""
+LOCAL: Final = "local"
+"""Field, autoencoder and denoiser of ICD as in the paper, where all is told by the local field."""
 SUBGOAL_DIFFUSER: Final = "subgoal-diffuser"
 """Part with the autoencoder and the denoiser of the baseline of that name."""
 DIFFUSION_POLICY: Final = "diffusion-policy"

@@ -26,7 +26,7 @@ from icd_agent.diffused import DiffusedSource
 from icd_agent.diffusion.config import ChainConfig
 from icd_agent.diffusion.denoiser import Denoiser
 from icd_agent.diffusion.generate import Generated, Generator, Task
-from icd_agent.field.space import FieldSpace
+from icd_agent.field.space import ExactFieldSpace, FieldSpace
 from icd_agent.latent.model import LatentModel
 from icd_agent.plan_info import PlanInfo
 from icd_agent.weights import shipped_folder
@@ -146,7 +146,8 @@ def _measure_replanning(
     space = FieldSpace(networks.field).place(observation)
     settings = replace(PRESETS[best_preset(ENV_ID)].chain, reachable=UNREACHABLE)
     generator = _TimedGenerator(networks.diffusion, networks.latent, settings)
-    source = DiffusedSource(networks.field, networks.latent, generator)
+    encoded_in = ExactFieldSpace(networks.encoded)
+    source = DiffusedSource(networks.encoded, networks.latent, generator, encoded_in=encoded_in)
     rng = np.random.default_rng(0)
     source.chain(episode, observation, space, rng)
     replan, step = _interleave(

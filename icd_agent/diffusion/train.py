@@ -43,7 +43,6 @@ def train_diffusion(
     *,
     about: dict[str, Any],
     device: str = "cpu",
-    half: bool = False,
     seen: Seen = lambda step, terms: None,
 ) -> Trained:
     """Train, or go on with a killed run, and save the weights in ``out``.
@@ -56,7 +55,6 @@ def train_diffusion(
         out: folder of the run's state, its log and in the end its checkpoint.
         about: where the data come from; part of the run's identity and of the checkpoint.
         device: where to train.
-        half: save the weights in half precision.
         seen: shows progress.
 
     Raises:
@@ -80,7 +78,7 @@ def train_diffusion(
         )
 
     about = {**about, "episodes": len(states.success), "states": len(states.step)}
-    network = Network(KIND, config, lambda: Denoiser(config, code), half)
+    network = Network(KIND, config, lambda: Denoiser(config, code), half=True)
     return train_network(network, loss, training, out, about=about, device=device, seen=seen)
 
 

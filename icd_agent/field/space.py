@@ -6,6 +6,7 @@ import numpy as np
 import torch
 
 from icd_agent.chain import Features, Placed
+from icd_agent.completion import seen_scene
 from icd_agent.field.baked import CHUNK, BakeConfig, BakedField
 from icd_agent.field.field import SceneField
 from icd_agent.field.train import KIND, load_field
@@ -32,7 +33,7 @@ class FieldSpace:
 
         Args:
             env_id: id of the environment.
-            part: which field: ICD's own, or ``icd_agent.weights.GLOBAL_FIELD``.
+            part: which field: the local one, or ``icd_agent.weights.WHOLE``.
 
         Raises:
             CheckpointError: there are none, or they are damaged.
@@ -41,13 +42,30 @@ class FieldSpace:
 
     def place(self, observation: Observation) -> Placed:
         """Bake the present scene; the goal's, if it is another, is asked exactly."""
-        scene, goal_scene = observation["scene"], observation["goal_scene"]
-        mask = observation.get("scene_mask")
-        there = np.ones(len(scene), bool) if mask is None else np.asarray(mask) > 0
+        scene, goal_scene = seen_scene(observation), observation["goal_scene"]
         places = np.concatenate([observation["achieved_goal"], observation["desired_goal"]])
-        here = BakedField(self._field, scene[there], places, self._bake).features
-        same = np.array_equal(scene, goal_scene)
+        here = BakedField(self._field, scene, places, self._bake).features
+        same = np.array_equal(observation["scene"], goal_scene)
         return Placed(here, here if same else exact_features(self._field, goal_scene))
+
+
+class ExactFieldSpace:
+    """The same without grids: for few states, as those that are encoded."""
+
+    def __init__(self, field: SceneField) -> None:
+        """Choose.
+
+        Args:
+            field: in evaluation mode.
+        """
+        self._field = field
+
+    def place(self, observation: Observation) -> Placed:
+        """Look at both scenes."""
+        return Placed(
+            exact_features(self._field, seen_scene(observation)),
+            exact_features(self._field, observation["goal_scene"]),
+        )
 
 
 def exact_features(field: SceneField, scene: FloatArray) -> Features:

@@ -10,7 +10,7 @@ import torch
 from torch import Tensor
 
 from icd_agent.checkpoints import save_checkpoint
-from icd_agent.completion import Completion
+from icd_agent.completion import Completion, seen_scene
 from icd_agent.field.field import SceneField
 from icd_agent.field.train import KIND as FIELD
 from icd_agent.field.train import load_field
@@ -107,9 +107,7 @@ class ChunkAgent:
         return PlanView(actions=self._plan)
 
     def _look_at(self, observation: Observation) -> tuple[Tensor, Tensor]:
-        mask = observation.get("scene_mask")
-        scene = observation["scene"]
-        here = self._look.scene(scene if mask is None else scene[np.asarray(mask) > 0])
+        here = self._look.scene(seen_scene(observation))
         there = self._look.scene(observation["goal_scene"])
         return torch.from_numpy(here)[None], torch.from_numpy(there)[None]
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -38,6 +39,13 @@ def networks() -> Networks:
     return found
 
 
+def two_fields() -> Networks:
+    """The same, but chains are followed in another field than they are encoded in."""
+    found = networks()
+    wider = replace(SMALL, descriptor=FEATURES + 3)
+    return found._replace(field=small_field(1, wider), whole=found.field)
+
+
 @pytest.fixture
 def env() -> Iterator[gym.Env[Any, Any]]:
     env = gym.make(CABLE)
@@ -69,14 +77,41 @@ def test_it_is_an_agent_that_plans_along_a_chain(env: gym.Env[Any, Any], preset:
     assert agent.plan_view() is not None
 
 
+@pytest.mark.parametrize("made", [networks, two_fields])
 def test_saved_and_read_back_it_acts_the_same_to_the_bit(
-    env: gym.Env[Any, Any], tmp_path: Path
+    env: gym.Env[Any, Any], tmp_path: Path, made: Callable[[], Networks]
 ) -> None:
-    agent = ICDAgent(networks())
+    agent = ICDAgent(made())
     agent.save_pretrained(tmp_path)
     before = actions(agent, env)
     for source in (tmp_path, str(tmp_path)):
         np.testing.assert_array_equal(actions(ICDAgent.from_pretrained(source), env), before)
+
+
+def test_chains_are_generated_in_one_field_and_followed_in_the_other(
+    env: gym.Env[Any, Any],
+) -> None:
+    one, two = ICDAgent(networks()), ICDAgent(two_fields())
+    apart = actions(one, env) != actions(two, env)
+    assert apart.any()
+    chains = []
+    for agent in (one, two):
+        view = agent.plan_view()
+        assert view is not None
+        assert view.subgoals is not None
+        chains.append(view.subgoals)
+    np.testing.assert_array_equal(*chains)
+
+
+def test_what_is_decoded_cannot_be_followed_in_another_field() -> None:
+    with pytest.raises(CheckpointError, match="leave out the part 'whole'"):
+        ICDAgent(two_fields(), "paper")
+
+
+@pytest.mark.parametrize("preset", PRESETS)
+def test_the_package_has_weights_for_every_preset(preset: str) -> None:
+    agent = ICDAgent.from_pretrained(CABLE, preset)
+    assert (agent.networks.whole is None) == (preset == "paper")
 
 
 def test_predict_is_the_policy_interface_of_stable_baselines(env: gym.Env[Any, Any]) -> None:
