@@ -20,6 +20,10 @@ Weights = Annotated[
     Path | None,
     typer.Option(help="Folder of a trained network.", show_default="those of the package"),
 ]
+WeightsOfAgent = Annotated[
+    Path | None,
+    typer.Option(help="Folder of field, latent and diffusion.", show_default="the package's"),
+]
 AS_SHIPPED: Final = "as for the package's weights"
 Seed = Annotated[int, typer.Option(min=0, help="Of every draw.")]
 Data = Annotated[Path, typer.Option(help="Folder that icd-bench collect has filled.")]
@@ -214,6 +218,26 @@ def diagnose_diffusion(
         say(values, as_json)
 
 
+@GROUPS["diagnose"].command("ends")
+def diagnose_ends(
+    env: Env,
+    scenes: Scenes = 20,
+    seed: Seed = 0,
+    chains: Annotated[int, typer.Option(min=1, help="Chains per scene.")] = 6,
+    weights: WeightsOfAgent = None,
+    options: TaskOptions = None,
+    as_json: AsJson = False,
+) -> None:
+    """Measure how often the last subgoal, generated for a goal of another scene, is right."""
+    with errors_in_one_line():
+        from benchmarks.diagnose_ends import diagnose
+
+        values = diagnose(
+            env, scenes, seed=seed, chains=chains, weights=weights, options=options or ()
+        )
+        say(values, as_json)
+
+
 @GROUPS["render"].command("field")
 def render_field(
     env: Env,
@@ -233,10 +257,7 @@ def render_chain(
     env: Env,
     out: Picture,
     seed: Seed = 0,
-    weights: Annotated[
-        Path | None,
-        typer.Option(help="Folder of field, latent and diffusion.", show_default="the package's"),
-    ] = None,
+    weights: WeightsOfAgent = None,
 ) -> None:
     """Draw a generated chain of subgoals beside what the expert did."""
     with errors_in_one_line():

@@ -10,10 +10,9 @@ import numpy as np
 
 from benchmarks.figures import Colours, new_figure, save_figure
 from icd_agent.agent import PRESETS, load_networks
-from icd_agent.chain import Placed
 from icd_agent.diffused import DiffusedSource
 from icd_agent.diffusion.generate import Generator
-from icd_agent.field.space import exact_features
+from icd_agent.field.space import ExactFieldSpace
 from icd_agent.mppi.costs import squared_distance
 from icd_agent.weights import shipped_folder
 from icd_envs import ENV_IDS
@@ -58,19 +57,18 @@ def render(env_id: str, out: Path, *, seed: int, weights: Path | None) -> None:
     finally:
         env.close()
     scene = observation["scene"]
-    here = exact_features(networks.encoded, scene)
-    goal = exact_features(networks.encoded, observation["goal_scene"])
+    placed = ExactFieldSpace(networks.encoded).place(observation)
     generator = Generator(networks.diffusion, networks.latent, PRESETS["improved"].chain)
     source = DiffusedSource(networks.encoded, networks.latent, generator)
     rng = np.random.default_rng(seed)
-    chain = source.chain(episode, observation, Placed(here, goal), rng)
+    chain = source.chain(episode, observation, placed, rng)
     assert chain.begin is not None
     assert chain.clouds is not None
     made = np.concatenate([chain.begin[None], chain.features])
     places = np.concatenate([observation["achieved_goal"][None], chain.clouds])
     times = np.rint(np.linspace(0, len(clouds) - 1, len(made))).astype(int)
-    done = here(clouds[times])
-    nearest = squared_distance(made[:, None], here(clouds))[:, 0].argmin(axis=1)
+    done = placed.here(clouds[times])
+    nearest = squared_distance(made[:, None], placed.here(clouds))[:, 0].argmin(axis=1)
 
     colours = Colours(np.concatenate([done, made]).reshape(-1, made.shape[-1]))
     fixtures = scene[scene[:, 2] > FLOOR]

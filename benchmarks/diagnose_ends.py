@@ -1,0 +1,92 @@
+"""What ``icd-bench diagnose ends`` does: is a goal of another scene understood?"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from benchmarks.conditions import Condition, TaskSpec, make_env, parse_options
+from benchmarks.console import Values
+from icd_agent.agent import PRESETS, best_preset, load_networks
+from icd_agent.diffused import DiffusedSource
+from icd_agent.diffusion.generate import Generator
+from icd_agent.field.space import ExactFieldSpace
+from icd_agent.weights import shipped_folder
+from icd_envs import ENV_IDS
+from icd_envs.errors import InvalidOptionError, unknown_name
+from icd_envs.tasks.env import ContactEnv
+
+SOLVED = 0.0
+"""Reward."""
+
+
+def diagnose(
+    env_id: str,
+    scenes: int,
+    *,
+    seed: int,
+    chains: int,
+    weights: Path | None,
+    options: Sequence[str] = (),
+) -> Values:
+    """Ask for chains at the start of test episodes, and judge their last subgoals as states.
+
+    Args:
+        env_id: an environment whose goals are of another scene.
+        scenes: how many.
+        seed: of the first scene; the others follow.
+        chains: asked for in each scene.
+        weights: folder of field, latent and diffusion, as ``ICDAgent.from_pretrained`` takes it;
+            None is the package's.
+        options: of the task, each as ``name=value``.
+
+    Returns:
+        ``right``, the share of last subgoals that solve the task; ``right_scenes``, the share of
+        scenes in which most of them do; ``goal_right``, that of scenes in which the goal would, had
+        its cloud been kept where it is.
+
+    Raises:
+        InvalidOptionError: unknown environment or option, or goals of the present scene: there the
+            last subgoal is not generated.
+        CheckpointError: missing or damaged weights.
+    """
+    if env_id not in ENV_IDS:
+        raise InvalidOptionError(unknown_name("environment id", env_id, ENV_IDS))
+    networks = load_networks(shipped_folder(env_id) if weights is None else weights)
+    settings = PRESETS[best_preset(env_id)].chain
+    generator = Generator(networks.diffusion, networks.latent, settings)
+    source = DiffusedSource(networks.encoded, networks.latent, generator)
+    space = ExactFieldSpace(networks.encoded)
+    told = parse_options(options)
+    env: Any = make_env(TaskSpec(env_id, Condition("diagnosed", told))).unwrapped
+    assert isinstance(env, ContactEnv)
+    right, kept = np.zeros((scenes, chains), bool), np.zeros(scenes, bool)
+    try:
+        for i in range(scenes):
+            observation, info = env.reset(seed=seed + i)
+            goal = observation["desired_goal"]
+            if np.array_equal(observation["scene"], observation["goal_scene"]):
+                raise InvalidOptionError(
+                    f"env={env_id!r} has goals of the present scene, which are the last subgoal: "
+                    "give an adaptation task"
+                )
+            episode, placed = env.episode(), space.place(observation)
+            rng = np.random.default_rng([seed + i])
+            for j in range(chains):
+                clouds = source.chain(episode, observation, placed, rng).clouds
+                assert clouds is not None
+                end = clouds[-1].astype(np.float32)
+                right[i, j] = env.compute_reward(end, goal, info) == SOLVED
+            kept[i] = env.compute_reward(goal, goal, info) == SOLVED
+    finally:
+        env.close()
+    return {
+        "scenes": scenes,
+        "chains": chains,
+        "right": float(right.mean()),
+        "right_scenes": float((right.mean(axis=1) > 0.5).mean()),
+        "goal_right": float(kept.mean()),
+    }

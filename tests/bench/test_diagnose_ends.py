@@ -1,0 +1,49 @@
+"""``icd-bench diagnose ends``: last subgoals for goals of another scene."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from icd_agent.weights import LOCAL, shipped_folder
+from tests.bench.test_cli import icd_bench
+from tests.envs.making import CABLE
+
+ADAPTATION = "ICDCableRoutingAdaptation-v0"
+
+
+def ends(*arguments: object) -> dict[str, float]:
+    command = ("diagnose", "ends", "--env", ADAPTATION, "--chains", 3, *arguments, "--json")
+    found = icd_bench(*command)
+    assert found.exit_code == 0, found.stderr
+    values: dict[str, float] = json.loads(found.stdout)
+    return values
+
+
+def test_ends_are_right_where_the_goal_itself_is_not() -> None:
+    values = ends("--scenes", 3)
+    assert values["scenes"] == values["chains"] == 3
+    assert values["right"] > 0.5
+    assert values["goal_right"] == 0
+
+
+def test_it_takes_weights_and_options_of_the_task() -> None:
+    given = ("--scenes", 2, "--weights", shipped_folder(CABLE, LOCAL), "--option", "goals=contact")
+    values = ends(*given)
+    assert 0 <= values["right"] <= 1
+    assert values != ends("--scenes", 2)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--env", CABLE), "give an adaptation task"),
+        (("--env", "ICDCableRoutingAdaption-v0"), "did you mean"),
+        (("--env", ADAPTATION, "--option", "goal=contact"), "goals"),
+    ],
+)
+def test_it_refuses_in_one_line(arguments: tuple[str, ...], message: str) -> None:
+    refused = icd_bench("diagnose", "ends", "--scenes", 1, *arguments)
+    assert refused.exit_code == 2
+    assert message in refused.stderr
