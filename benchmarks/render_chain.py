@@ -110,7 +110,7 @@ def _draw_object(
     axis.scatter(*cloud.T, s=9, c=shown, depthshade=False)
     for low, high, limit in zip(*box, (axis.set_xlim, axis.set_ylim, axis.set_zlim), strict=True):
         limit(low, high)
-    axis.set_box_aspect(box[1] - box[0], zoom=1.3)
+    axis.set_box_aspect(box[1] - box[0], zoom=1.1)
     axis.view_init(elev=40, azim=-70)
     axis.set_axis_off()
     axis.set_title(title, fontsize=9)
