@@ -253,9 +253,11 @@ def test_a_killed_run_goes_on_to_the_same_weights(networks: Networks, tmp_path: 
     whole = train_diffusion(states, latent, SMALL, config, tmp_path / "a", about={}).model
     with pytest.raises(KilledError):
         train_diffusion(states, latent, SMALL, config, tmp_path / "b", about={}, seen=stop)
-    train_diffusion(states, latent, SMALL, config, tmp_path / "b", about={})
-    again = load_diffusion(tmp_path / "b").state_dict()
-    assert all(torch.equal(value, again[name]) for name, value in whole.state_dict().items())
+    again = train_diffusion(states, latent, SMALL, config, tmp_path / "b", about={}).model
+    saved = [load_diffusion(tmp_path / run) for run in ("a", "b")]
+    for one, other in ((whole, again), saved):
+        kept = other.state_dict()
+        assert all(torch.equal(value, kept[name]) for name, value in one.state_dict().items())
 
 
 @pytest.mark.parametrize(
