@@ -7,16 +7,15 @@ from typing import Final, Literal
 
 from torch import Tensor
 
-from icd_agent.agent import PRESETS, best_preset, load_networks
+from icd_agent.agent import PRESETS, best_preset, load_shipped
 from icd_agent.chain import CostSpace, PointSpace
 from icd_agent.diffused import DiffusedSource
 from icd_agent.diffusion.generate import Generator
 from icd_agent.field.encoder import SceneCode
 from icd_agent.field.field import FieldOutput, SceneField
-from icd_agent.field.space import ExactFieldSpace, FieldSpace
+from icd_agent.field.space import FieldSpace
 from icd_agent.mppi.presets import preset
 from icd_agent.tracking import SubgoalTracker
-from icd_agent.weights import shipped_folder
 
 REACH: Final = 0.1
 """[m] from a surface, over which one part of the field fades and the other begins."""
@@ -62,10 +61,10 @@ def make_far_field(env_id: str) -> SubgoalTracker:
 
 
 def _follow_in(env_id: str, make_space: Callable[[SceneField], CostSpace]) -> SubgoalTracker:
-    networks = load_networks(shipped_folder(env_id))
+    networks = load_shipped(env_id)
     settings = PRESETS[best_preset(env_id)]
     generator = Generator(networks.diffusion, networks.latent, settings.chain)
-    encoded_in = ExactFieldSpace(networks.encoded)
+    encoded_in = FieldSpace(networks.encoded)
     source = DiffusedSource(networks.encoded, networks.latent, generator, encoded_in=encoded_in)
     space = make_space(networks.field)
     return SubgoalTracker(source, space, preset(settings.mppi), settings.tracker)

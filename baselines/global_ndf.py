@@ -1,15 +1,15 @@
 """Global NDF: ICD on a field that describes the whole scene with one code, as the first NDF does.
 
-The paper's baseline (section V-B, after Simeonov et al., ICRA 2022): everything else is ICD's. Our
-ICD generates its chains in this field too, so that here they are the same, and only followed in it.
+The paper's baseline (section V-B, after Simeonov et al., ICRA 2022): everything else is ICD's.
+Where our ICD generates its chains in this field too, they are the same, and only followed in it.
 """
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from icd_agent.agent import ICDAgent, Networks, best_preset, load_networks
-from icd_agent.weights import shipped_folder
+from icd_agent.agent import ICDAgent, best_preset, load_networks
+from icd_agent.weights import GLOBAL, shipped_folder
 
 
 def make_global_ndf(env_id: str, weights: Path | None = None) -> ICDAgent:
@@ -23,8 +23,5 @@ def make_global_ndf(env_id: str, weights: Path | None = None) -> ICDAgent:
     Raises:
         CheckpointError: missing or damaged weights.
     """
-    if weights is not None:
-        return ICDAgent(load_networks(weights), best_preset(env_id))
-    shipped = load_networks(shipped_folder(env_id))
-    chains = Networks(shipped.encoded, shipped.latent, shipped.diffusion)
-    return ICDAgent(chains, best_preset(env_id))
+    folder = weights or shipped_folder(env_id, GLOBAL)
+    return ICDAgent(load_networks(folder), best_preset(env_id))

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from icd_agent.agent import ICDAgent, best_preset, load_networks
+from icd_agent.agent import ICDAgent, best_preset, load_networks, load_shipped
 from icd_agent.weights import LOCAL, shipped_folder
 
 
 def make_icd(env_id: str, weights: Path | None = None) -> ICDAgent:
     """Build Implicit Contact Diffuser as it does best."""
-    return ICDAgent(load_networks(weights or shipped_folder(env_id)), best_preset(env_id))
+    networks = load_networks(weights) if weights else load_shipped(env_id)
+    return ICDAgent(networks, best_preset(env_id))
 
 
 def make_icd_local(env_id: str, weights: Path | None = None) -> ICDAgent:

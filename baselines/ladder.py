@@ -10,7 +10,7 @@ import numpy as np
 from icd_agent.chain import Placed, PointSpace, Subgoals, SubgoalSource
 from icd_agent.mppi.presets import preset
 from icd_agent.tracking import SubgoalTracker, TrackerConfig
-from icd_agent.weights import WHOLE, shipped_folder, weights_name
+from icd_agent.weights import GLOBAL_FIELD, LOCAL_FIELD, chains_in, shipped_folder, weights_name
 from icd_envs.api import Episode, Observation
 from icd_envs.errors import InvalidOptionError
 
@@ -92,7 +92,7 @@ def make_transferred_descriptors(env_id: str) -> SubgoalTracker:
 
 def make_transferred_global(env_id: str) -> SubgoalTracker:
     """Build the same with descriptors of a field that has one code for the whole scene."""
-    return _track_descriptors(OracleSource("goal"), env_id, WHOLE)
+    return _track_descriptors(OracleSource("goal"), env_id, GLOBAL_FIELD)
 
 
 def make_vae(env_id: str) -> SubgoalTracker:
@@ -100,18 +100,18 @@ def make_vae(env_id: str) -> SubgoalTracker:
     from icd_agent.encoded import EncodedSource
     from icd_agent.latent.train import KIND, load_latent
 
-    source = EncodedSource(OracleSource(), load_latent(shipped_folder(env_id, KIND)))
-    return _track_as_icd(source, env_id)
+    latent = load_latent(shipped_folder(env_id, f"{chains_in(env_id)}/{KIND}"))
+    return _track_as_icd(EncodedSource(OracleSource(), latent), env_id)
 
 
 def make_retrieved_chain(env_id: str) -> SubgoalTracker:
     """Build rung 4: the recorded chain nearest to a generated one; what fails are such chains."""
-    from icd_agent.agent import PRESETS, best_preset, load_networks
+    from icd_agent.agent import PRESETS, best_preset, load_shipped
     from icd_agent.diffused import DiffusedSource
     from icd_agent.diffusion.generate import Generator
     from icd_agent.diffusion.retrieval import KIND, Retriever, load_bank
 
-    networks = load_networks(shipped_folder(env_id))
+    networks = load_shipped(env_id)
     generator = Generator(networks.diffusion, networks.latent, PRESETS[best_preset(env_id)].chain)
     retriever = Retriever(generator, load_bank(shipped_folder(env_id, KIND)))
     return _track_as_icd(DiffusedSource(networks.encoded, networks.latent, retriever), env_id)
@@ -124,11 +124,13 @@ def _track_as_icd(source: SubgoalSource, env_id: str) -> SubgoalTracker:
 
     settings = PRESETS[best_preset(env_id)]
     config = replace(settings.tracker, replan_every=None)
-    space = FieldSpace.shipped(env_id, WHOLE)
+    space = FieldSpace.shipped(env_id, f"{chains_in(env_id)}/field")
     return SubgoalTracker(source, space, preset(settings.mppi), config)
 
 
-def _track_descriptors(source: SubgoalSource, env_id: str, field: str = "field") -> SubgoalTracker:
+def _track_descriptors(
+    source: SubgoalSource, env_id: str, field: str = LOCAL_FIELD
+) -> SubgoalTracker:
     from icd_agent.field.space import FieldSpace
 
     space = FieldSpace.shipped(env_id, field)

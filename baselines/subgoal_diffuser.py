@@ -14,14 +14,13 @@ from icd_agent.diffused import DiffusedSource
 from icd_agent.diffusion.generate import Generator
 from icd_agent.diffusion.train import KIND as DIFFUSION
 from icd_agent.diffusion.train import load_diffusion
-from icd_agent.field.train import KIND as FIELD
 from icd_agent.field.train import load_field
 from icd_agent.latent.train import KIND as LATENT
 from icd_agent.latent.train import load_latent
 from icd_agent.mppi.presets import preset
 from icd_agent.scene_points import ScenePoints
 from icd_agent.tracking import SubgoalTracker
-from icd_agent.weights import SUBGOAL_DIFFUSER, shipped_folder
+from icd_agent.weights import LOCAL_FIELD, SUBGOAL_DIFFUSER, shipped_folder
 
 
 def make_subgoal_diffuser(env_id: str, weights: Path | None = None) -> SubgoalTracker:
@@ -46,7 +45,7 @@ def compose(env_id: str, folder: Path, settings: str) -> SubgoalTracker:
         CheckpointError: missing or damaged weights.
     """
     chosen = PRESETS[settings]
-    field, latent = load_field(shipped_folder(env_id, FIELD)), load_latent(folder / LATENT)
+    field, latent = load_field(shipped_folder(env_id, LOCAL_FIELD)), load_latent(folder / LATENT)
     chain = replace(chosen.chain, ask_field=False)
     generator = Generator(load_diffusion(folder / DIFFUSION), latent, chain)
     source = DiffusedSource(field, latent, generator, seen_from="start")

@@ -17,7 +17,7 @@ from icd_agent.field.train import load_field
 from icd_agent.scene_points import placed_in
 from icd_agent.scene_tokens import SceneTokens, scene_tokens
 from icd_agent.states import States, describe_states
-from icd_agent.weights import WHOLE, shipped_folder
+from icd_agent.weights import LOCAL_FIELD, chains_in, shipped_folder
 from icd_envs.api import Float32Array, FloatArray
 from icd_envs.demonstrations import Demonstrations
 from icd_envs.errors import DemonstrationsError
@@ -54,7 +54,7 @@ def describe(env_id: str, data: Path, field: Path | None, episodes: int) -> Desc
     Args:
         env_id: what the demonstrations must be of.
         data: folder of the demonstrations.
-        field: folder of the field; None is the package's with one code for the whole scene.
+        field: folder of the field; None is the one that the package's chains are generated in.
         episodes: how many are used, at most.
 
     Raises:
@@ -64,7 +64,7 @@ def describe(env_id: str, data: Path, field: Path | None, episodes: int) -> Desc
     def descriptors(network: SceneField, scene: Float32Array) -> tuple[Features, SceneTokens]:
         return exact_features(network, scene), scene_tokens(network, scene)
 
-    folder = shipped_folder(env_id, WHOLE) if field is None else field
+    folder = shipped_folder(env_id, f"{chains_in(env_id)}/{FIELD}") if field is None else field
     return _describe(env_id, data, folder, episodes, descriptors, "descriptors")
 
 
@@ -89,7 +89,7 @@ def describe_places(env_id: str, data: Path, field: Path | None, episodes: int) 
 
         return features, tokens
 
-    folder = shipped_folder(env_id, FIELD) if field is None else field
+    folder = shipped_folder(env_id, LOCAL_FIELD) if field is None else field
     states, about = _describe(env_id, data, folder, episodes, places, "places")
     begun = states.middle[states.first[states.episode]]
     return Described(states._replace(middle=begun), about)

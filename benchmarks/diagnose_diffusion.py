@@ -20,13 +20,14 @@ from icd_agent.diffusion.train import encode_states, load_diffusion
 from icd_agent.encoded import encode
 from icd_agent.field.field import SceneField
 from icd_agent.field.space import exact_features
+from icd_agent.field.train import KIND as FIELD
 from icd_agent.field.train import load_field
 from icd_agent.latent.model import LatentModel
 from icd_agent.latent.train import KIND as LATENT
 from icd_agent.latent.train import load_latent
 from icd_agent.scene_tokens import Frame
 from icd_agent.states import States
-from icd_agent.weights import WHOLE, shipped_folder
+from icd_agent.weights import chains_in, shipped_folder
 from icd_envs.api import Float32Array, FloatArray
 
 UNREACHABLE = 1e-3
@@ -72,9 +73,10 @@ def diagnose(
     Raises:
         IcdError: unknown environment, missing or damaged weights.
     """
-    field = shipped_folder(env_id, WHOLE) if field is None else field
-    model = load_latent(shipped_folder(env_id, LATENT) if latent is None else latent)
-    denoiser = load_diffusion(shipped_folder(env_id, DIFFUSION) if weights is None else weights)
+    shipped = shipped_folder(env_id, chains_in(env_id))
+    field = shipped / FIELD if field is None else field
+    model = load_latent(shipped / LATENT if latent is None else latent)
+    denoiser = load_diffusion(shipped / DIFFUSION if weights is None else weights)
     generator = Generator(denoiser, model, ChainConfig(reachable=UNREACHABLE))
     states, seeds, clouds = held_out(env_id, scenes, seed=seed, field=field)
     latents = encode_states(states, model)

@@ -10,11 +10,10 @@ import numpy as np
 
 from benchmarks.conditions import Condition, TaskSpec, make_env, parse_options
 from benchmarks.console import Values
-from icd_agent.agent import PRESETS, best_preset, load_networks
+from icd_agent.agent import PRESETS, best_preset, load_networks, load_shipped
 from icd_agent.diffused import DiffusedSource
 from icd_agent.diffusion.generate import Generator
 from icd_agent.field.space import ExactFieldSpace
-from icd_agent.weights import shipped_folder
 from icd_envs import ENV_IDS
 from icd_envs.errors import InvalidOptionError, unknown_name
 from icd_envs.tasks.env import ContactEnv
@@ -55,7 +54,7 @@ def diagnose(
     """
     if env_id not in ENV_IDS:
         raise InvalidOptionError(unknown_name("environment id", env_id, ENV_IDS))
-    networks = load_networks(shipped_folder(env_id) if weights is None else weights)
+    networks = load_shipped(env_id) if weights is None else load_networks(weights)
     settings = PRESETS[best_preset(env_id)].chain
     generator = Generator(networks.diffusion, networks.latent, settings)
     source = DiffusedSource(networks.encoded, networks.latent, generator)

@@ -10,8 +10,8 @@ from typing import Any
 import gymnasium as gym
 
 from icd_agent.field.field import SceneField
-from icd_agent.field.train import KIND, load_field
-from icd_agent.weights import shipped_folder
+from icd_agent.field.train import load_field
+from icd_agent.weights import LOCAL_FIELD, shipped_folder
 from icd_envs import ENV_IDS
 from icd_envs.errors import InvalidOptionError, unknown_name
 from icd_envs.tasks.env import ContactEnv
@@ -33,7 +33,7 @@ def field_in_test_scenes(
     """
     if env_id not in ENV_IDS:
         raise InvalidOptionError(unknown_name("environment id", env_id, ENV_IDS))
-    field = load_field(shipped_folder(env_id, KIND) if weights is None else weights)
+    field = load_field(shipped_folder(env_id, LOCAL_FIELD) if weights is None else weights)
     env = gym.make(env_id, split="test").unwrapped
     assert isinstance(env, ContactEnv)
     try:

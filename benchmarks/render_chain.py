@@ -9,12 +9,11 @@ import gymnasium as gym
 import numpy as np
 
 from benchmarks.figures import Colours, new_figure, save_figure
-from icd_agent.agent import PRESETS, load_networks
+from icd_agent.agent import PRESETS, load_networks, load_shipped
 from icd_agent.diffused import DiffusedSource
 from icd_agent.diffusion.generate import Generator
 from icd_agent.field.space import ExactFieldSpace
 from icd_agent.mppi.costs import squared_distance
-from icd_agent.weights import shipped_folder
 from icd_envs import ENV_IDS
 from icd_envs.api import Float32Array, FloatArray
 from icd_envs.errors import InvalidOptionError, unknown_name
@@ -46,7 +45,7 @@ def render(env_id: str, out: Path, *, seed: int, weights: Path | None) -> None:
     if env_id not in ENV_IDS:
         raise InvalidOptionError(unknown_name("environment id", env_id, ENV_IDS))
     figure = new_figure(out, (14, 9))
-    networks = load_networks(shipped_folder(env_id) if weights is None else weights)
+    networks = load_shipped(env_id) if weights is None else load_networks(weights)
     env = gym.make(env_id, split="test").unwrapped
     assert isinstance(env, ContactEnv)
     try:

@@ -9,7 +9,6 @@ from benchmarks.console import Values
 from benchmarks.described import read_demonstrations
 from benchmarks.training_progress import training
 from icd_agent.checkpoints import weights_sha256
-from icd_agent.field.train import KIND as FIELD
 from icd_agent.field.train import load_field
 from icd_agent.policy.config import PolicyConfig, Sees
 from icd_agent.policy.data import PolicyData
@@ -18,7 +17,7 @@ from icd_agent.policy.train import train_policy
 from icd_agent.scene_tokens import SURFACE
 from icd_agent.training.config import TrainingConfig
 from icd_agent.training.device import check_device
-from icd_agent.weights import DIFFUSION_POLICY, DP3, shipped_folder
+from icd_agent.weights import DIFFUSION_POLICY, DP3, LOCAL_FIELD, shipped_folder
 
 KEY_POINTS: Final = 25
 POINTS: Final = 128
@@ -70,7 +69,7 @@ def train(
     }
     field = None
     if name == DIFFUSION_POLICY:
-        folder = shipped_folder(env_id, FIELD)
+        folder = shipped_folder(env_id, LOCAL_FIELD)
         field, about["field"] = load_field(folder), weights_sha256(folder)
     config = policy_config(name, 0 if field is None else field.config.descriptor)
     windows = PolicyData(

@@ -25,7 +25,7 @@ from icd_agent.latent.train import load_latent
 from icd_agent.mppi.presets import preset as mppi_preset
 from icd_agent.plan_info import PlanInfo
 from icd_agent.tracking import SubgoalTracker, TrackerConfig
-from icd_agent.weights import LOCAL, WHOLE, shipped_folder, weights_name
+from icd_agent.weights import LOCAL, LOCAL_FIELD, chains_in, shipped_folder, weights_name
 from icd_envs.api import Episode, Float32Array, Observation, PlanView
 from icd_envs.errors import CheckpointError, EpisodeStateError, InvalidOptionError, unknown_name
 
@@ -64,6 +64,9 @@ one of several chains that is most like the others, one subgoal at a time, passe
 way to it is done, the last one generated if the goal is foreign, noise correlated in time.
 ``careful``: the same with the paper's white noise, for objects that must not be hurried."""
 
+WHOLE: Final = "whole"
+"""Folder of the field that chains are generated in, if they are followed in another."""
+
 _BEST: Final = {"notebook-folding": "careful"}
 
 
@@ -99,7 +102,7 @@ class Networks(NamedTuple):
 
 
 def load_networks(folder: Path) -> Networks:
-    """Read what ``save_pretrained`` has written, or the package's weights of a task.
+    """Read what ``save_pretrained`` has written.
 
     Raises:
         CheckpointError: missing or damaged weights.
@@ -110,6 +113,19 @@ def load_networks(folder: Path) -> Networks:
         load_diffusion(folder / DIFFUSION),
         load_field(folder / WHOLE) if (folder / WHOLE).is_dir() else None,
     )
+
+
+def load_shipped(env_id: str) -> Networks:
+    """Read the package's weights: chains are generated where that did best, followed locally.
+
+    Raises:
+        CheckpointError: there are none for this environment, or they are damaged.
+    """
+    generated = load_networks(shipped_folder(env_id, chains_in(env_id)))
+    if chains_in(env_id) == LOCAL:
+        return generated
+    local = load_field(shipped_folder(env_id, LOCAL_FIELD))
+    return generated._replace(field=local, whole=generated.field)
 
 
 class Env(Protocol):
@@ -193,9 +209,13 @@ class ICDAgent:
             InvalidOptionError: unknown preset.
         """
         preset = best_preset(source) if preset is None else preset
-        return cls(
-            load_networks(_find(source, LOCAL if preset == "paper" else "")), preset, env=env
-        )
+        if weights_name(str(source)) is None:
+            networks = load_networks(_find(source))
+        elif preset == "paper":
+            networks = load_networks(shipped_folder(str(source), LOCAL))
+        else:
+            networks = load_shipped(str(source))
+        return cls(networks, preset, env=env)
 
     def save_pretrained(self, folder: str | Path) -> None:
         """Write the weights, for ``from_pretrained``; files of the same names are replaced."""
@@ -275,10 +295,7 @@ def _check_fit(networks: Networks) -> None:
         )
 
 
-def _find(source: str | Path, part: str) -> Path:
-    """Folder of weights; ``part`` is which of the package's."""
-    if weights_name(str(source)) is not None:
-        return shipped_folder(str(source), part)
+def _find(source: str | Path) -> Path:
     if isinstance(source, Path) or Path(source).is_dir() or source.count("/") != 1:
         return Path(source)
     from huggingface_hub import snapshot_download

@@ -9,11 +9,12 @@ from typing import Final
 
 from icd_envs.errors import CheckpointError, unknown_name
 
-WHOLE: Final = "whole"
-"""Field with one code for the whole scene, in which ICD's chains are generated; its other parts are
-named by kind of network."""
 LOCAL: Final = "local"
 """Field, autoencoder and denoiser of ICD as in the paper, where all is told by the local field."""
+GLOBAL: Final = "global"
+"""The same on a field with one code for the whole scene, the baseline Global NDF."""
+LOCAL_FIELD: Final = f"{LOCAL}/field"
+GLOBAL_FIELD: Final = f"{GLOBAL}/field"
 SUBGOAL_DIFFUSER: Final = "subgoal-diffuser"
 """Part with the autoencoder and the denoiser of the baseline of that name."""
 DIFFUSION_POLICY: Final = "diffusion-policy"
@@ -32,9 +33,21 @@ TRAINED_FOR: Final[Mapping[str, str]] = MappingProxyType(
 """Name of each environment's weights; an adaptation task shares those of its task."""
 
 
+_CHAINS_IN: Final = MappingProxyType({"cable-routing": GLOBAL, "notebook-folding": LOCAL})
+
+
 def weights_name(env_id: str) -> str | None:
     """Name of an environment's weights, or None; a ``module:`` prefix names the same task."""
     return TRAINED_FOR.get(env_id.rpartition(":")[2])
+
+
+def chains_in(env_id: str) -> str:
+    """Which of ``LOCAL`` and ``GLOBAL`` the chains of the package's ICD are generated in.
+
+    Raises:
+        CheckpointError: no weights are shipped for this environment.
+    """
+    return _CHAINS_IN[shipped_folder(env_id).name]
 
 
 def shipped_folder(env_id: str, part: str = "") -> Path:

@@ -21,7 +21,7 @@ from mujoco import rollout
 import icd_envs  # noqa: F401  registers the environments
 from baselines.pc_mppi import make_pc_mppi
 from benchmarks.perf.naive_cable import make_naive
-from icd_agent.agent import PRESETS, best_preset, load_networks
+from icd_agent.agent import PRESETS, best_preset, load_shipped
 from icd_agent.diffused import DiffusedSource
 from icd_agent.diffusion.config import ChainConfig
 from icd_agent.diffusion.denoiser import Denoiser
@@ -29,7 +29,6 @@ from icd_agent.diffusion.generate import Generated, Generator, Task
 from icd_agent.field.space import ExactFieldSpace, FieldSpace
 from icd_agent.latent.model import LatentModel
 from icd_agent.plan_info import PlanInfo
-from icd_agent.weights import shipped_folder
 from icd_envs.api import Episode, FloatArray, Observation, Oracle, Rollout, SimState
 from icd_envs.physics.simulator import RolloutSimulator
 from icd_envs.scenes.arena import SUBSTEPS
@@ -142,7 +141,7 @@ def _measure_replanning(
     episode: Episode, observation: Observation, act: Callable[[], object], repeats: int
 ) -> dict[str, float]:
     """A whole new chain of 17 (encode, diffuse, ask the field), beside a step of MPPI."""
-    networks = load_networks(shipped_folder(ENV_ID))
+    networks = load_shipped(ENV_ID)
     space = FieldSpace(networks.field).place(observation)
     settings = replace(PRESETS[best_preset(ENV_ID)].chain, reachable=UNREACHABLE)
     generator = _TimedGenerator(networks.diffusion, networks.latent, settings)

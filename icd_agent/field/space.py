@@ -9,8 +9,8 @@ from icd_agent.chain import Features, Placed
 from icd_agent.completion import seen_scene
 from icd_agent.field.baked import CHUNK, BakeConfig, BakedField
 from icd_agent.field.field import SceneField
-from icd_agent.field.train import KIND, load_field
-from icd_agent.weights import shipped_folder
+from icd_agent.field.train import load_field
+from icd_agent.weights import LOCAL_FIELD, shipped_folder
 from icd_envs.api import Float32Array, FloatArray, Observation
 
 
@@ -28,12 +28,12 @@ class FieldSpace:
         self._bake = bake
 
     @classmethod
-    def shipped(cls, env_id: str, part: str = KIND) -> FieldSpace:
+    def shipped(cls, env_id: str, part: str = LOCAL_FIELD) -> FieldSpace:
         """With the weights that come with the package for this environment.
 
         Args:
             env_id: id of the environment.
-            part: which field: the local one, or ``icd_agent.weights.WHOLE``.
+            part: which field: the local one, or ``icd_agent.weights.GLOBAL_FIELD``.
 
         Raises:
             CheckpointError: there are none, or they are damaged.

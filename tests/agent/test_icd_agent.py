@@ -112,6 +112,7 @@ def test_what_is_decoded_cannot_be_followed_in_another_field() -> None:
 def test_the_package_has_weights_for_every_preset(preset: str) -> None:
     agent = ICDAgent.from_pretrained(CABLE, preset)
     assert (agent.networks.whole is None) == (preset == "paper")
+    assert ICDAgent.from_pretrained("ICDNotebookFolding-v0", preset).networks.whole is None
 
 
 def test_predict_is_the_policy_interface_of_stable_baselines(env: gym.Env[Any, Any]) -> None:

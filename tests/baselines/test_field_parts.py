@@ -6,9 +6,8 @@ import numpy as np
 
 from baselines.field_parts import REACH, PartOfField
 from icd_agent.field.space import exact_features
-from icd_agent.field.train import KIND as FIELD
 from icd_agent.field.train import load_field
-from icd_agent.weights import shipped_folder
+from icd_agent.weights import LOCAL_FIELD, shipped_folder
 from icd_envs.geometry.point_cloud import sample_scene
 from icd_envs.geometry.sdf import BoxUnion
 from icd_envs.tasks.cable_routing import CableRouting
@@ -26,7 +25,9 @@ def test_the_parts_of_a_field_add_up_to_it() -> None:
 
 
 def test_near_to_surfaces_is_the_one_part_and_far_from_them_the_other() -> None:
-    near, far = (PartOfField(load_field(shipped_folder(CABLE, FIELD)), p) for p in ("near", "far"))
+    near, far = (
+        PartOfField(load_field(shipped_folder(CABLE, LOCAL_FIELD)), p) for p in ("near", "far")
+    )
     rng = np.random.default_rng(0)
     task = CableRouting()
     boxes = task.boxes(task.draw_scenes(rng).scene)

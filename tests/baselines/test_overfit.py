@@ -15,7 +15,6 @@ import icd_envs  # noqa: F401  registers our ids
 from benchmarks.collect import collect
 from benchmarks.executors import InProcess
 from benchmarks.train_policy import policy_config
-from icd_agent.field.train import KIND as FIELD
 from icd_agent.field.train import load_field
 from icd_agent.policy.agent import ChunkAgent
 from icd_agent.policy.data import PolicyData
@@ -23,7 +22,7 @@ from icd_agent.policy.look import Look
 from icd_agent.policy.policy import load_policy
 from icd_agent.policy.train import train_policy
 from icd_agent.training.config import TrainingConfig
-from icd_agent.weights import DIFFUSION_POLICY, DP3, shipped_folder
+from icd_agent.weights import DIFFUSION_POLICY, DP3, LOCAL_FIELD, shipped_folder
 from icd_envs.demonstrations import Demonstrations, find_task
 from icd_envs.demonstrations.header import Header
 from tests.envs.making import CABLE
@@ -45,7 +44,7 @@ def test_it_solves_the_scenes_of_clean_episodes_that_it_has_learned(
     collect(header, tmp_path / "data", InProcess())
     recorded = Demonstrations(tmp_path / "data")
     assert recorded.success.all()
-    field = load_field(shipped_folder(env_id, FIELD)) if name == DIFFUSION_POLICY else None
+    field = load_field(shipped_folder(env_id, LOCAL_FIELD)) if name == DIFFUSION_POLICY else None
     config = policy_config(name, 0 if field is None else field.config.descriptor)
     look = Look(config, field)
     data = PolicyData(recorded, look, config, episodes=EPISODES, solved_only=False)

@@ -15,13 +15,12 @@ from baselines.subgoal_diffuser import compose
 from icd_agent.checkpoints import save_checkpoint
 from icd_agent.diffusion.config import DiffusionConfig
 from icd_agent.diffusion.denoiser import Denoiser
-from icd_agent.field.train import KIND as FIELD
 from icd_agent.field.train import load_field
 from icd_agent.latent.config import LatentConfig
 from icd_agent.latent.model import LatentModel
 from icd_agent.scene_tokens import TOKENS
 from icd_agent.training.initial import initialise
-from icd_agent.weights import shipped_folder
+from icd_agent.weights import LOCAL_FIELD, shipped_folder
 from tests.envs.making import CABLE
 
 
@@ -29,7 +28,7 @@ from tests.envs.making import CABLE
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """With random weights: whatever they say, the agent must act on it."""
     out = tmp_path_factory.mktemp("networks")
-    described = load_field(shipped_folder(CABLE, FIELD)).config.descriptor
+    described = load_field(shipped_folder(CABLE, LOCAL_FIELD)).config.descriptor
     sizes = LatentConfig(3, described, 200, latent=8, groups=6, neighbours=4, width=16)
     config = DiffusionConfig(8, described, 200, TOKENS, places=0, width=32, layers=1, heads=2)
     for kind, network in (("latent", LatentModel(sizes)), ("diffusion", Denoiser(config))):

@@ -16,7 +16,7 @@ from icd_agent.field.train import KIND as FIELD
 from icd_agent.field.train import load_field
 from icd_agent.policy.agent import ChunkAgent
 from icd_agent.policy.policy import load_policy
-from icd_agent.weights import shipped_folder
+from icd_agent.weights import LOCAL_FIELD, shipped_folder
 from tests.bench.test_cli import icd_bench
 from tests.envs.making import CABLE
 
@@ -65,7 +65,7 @@ def test_a_policy_is_trained_and_goes_on(data: Path, tmp_path: Path, name: str) 
     assert about["data"]["solved_only"] is False
     assert ("field" in about["data"]) == (name == "diffusion-policy")
     assert size(tmp_path) < MOST_BYTES
-    field = load_field(shipped_folder(CABLE, FIELD)) if name == "diffusion-policy" else None
+    field = load_field(shipped_folder(CABLE, LOCAL_FIELD)) if name == "diffusion-policy" else None
     acts(ChunkAgent(load_policy(tmp_path), field), simulator=False)
 
 

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from benchmarks.registry import AGENTS, Offer, make_agent
+from icd_agent.agent import ICDAgent
 from icd_agent.field import baked
 from icd_agent.field.baked import BakeConfig
 from icd_agent.tracking import SubgoalTracker
@@ -113,7 +114,10 @@ def test_weights_of_a_folder_act_as_those_of_the_package(
     env_id = env.task.env_id
     shipped = FOLDER / str(weights_name(env_id))
     there = tmp_path / "weights"
-    shutil.copytree(shipped if name == "icd" else shipped / name, there)
+    if name == "icd":
+        ICDAgent.from_pretrained(env_id).save_pretrained(there)
+    else:
+        shutil.copytree(shipped / name, there)
     actions = [
         acted(hurried(make_agent(asked, Offer(env_id))), env, start, seed=1)
         for asked in (name, f"{name}@{there}")

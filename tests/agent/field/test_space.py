@@ -5,8 +5,8 @@ import pytest
 
 from icd_agent.field.baked import BakeConfig
 from icd_agent.field.space import FieldSpace, exact_features
-from icd_agent.field.train import KIND, load_field
-from icd_agent.weights import TRAINED_FOR, shipped_folder
+from icd_agent.field.train import load_field
+from icd_agent.weights import LOCAL_FIELD, TRAINED_FOR, shipped_folder
 from icd_envs import ENV_IDS
 from icd_envs.api import Observation
 from icd_envs.errors import CheckpointError
@@ -24,7 +24,7 @@ def observed(present: int, goal: int) -> Observation:
 
 
 def test_states_are_compared_in_the_scene_they_belong_to() -> None:
-    field = load_field(shipped_folder("ICDCableRouting-v0", KIND))
+    field = load_field(shipped_folder("ICDCableRouting-v0", LOCAL_FIELD))
     placed = FieldSpace(field).place(observed(0, 1))
     points = scene(0).object_points[None]
     there = exact_features(field, scene(1).cloud)(points)
@@ -67,7 +67,7 @@ def test_every_environment_has_weights() -> None:
     for env_id in ENV_IDS:
         field = FieldSpace.shipped(f"icd_envs:{env_id}")
         assert isinstance(field, FieldSpace)
-        weights = shipped_folder(env_id, KIND) / "model.safetensors"
+        weights = shipped_folder(env_id, LOCAL_FIELD) / "model.safetensors"
         assert weights.stat().st_size <= 8e6
 
 
