@@ -172,9 +172,8 @@ class ICDAgent:
         settings = PRESETS[preset]
         if networks.whole is not None and not settings.chain.ask_field:
             raise CheckpointError(
-                f"preset {preset!r} follows decoded descriptors, but these weights have another "
-                f"field to follow chains in than to encode: leave out the part {WHOLE!r}, or use "
-                "weights that were trained on one field, as the package's for this preset"
+                f"preset {preset!r} follows decoded descriptors, but by {WHOLE!r} these weights "
+                "encode another field's than they follow: use weights that were trained on one field"
             )
         self.networks = networks
         self.preset = preset

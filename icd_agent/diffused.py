@@ -42,7 +42,6 @@ class _Asked(NamedTuple):
     task: Task
     frame: Frame
     found: Generated
-    goal: FloatArray
     wanted: FloatArray
     canonical: FloatArray
 
@@ -93,7 +92,7 @@ class DiffusedSource:
         self._tokens = scene_tokens(self._field, seen_scene(observation))
         self._encoded = space if self._encoded_in is None else self._encoded_in.place(observation)
         self._start = observation["achieved_goal"].mean(axis=0)
-        return self._decode(self._generate(episode, observation, space, rng), space)
+        return self._decode(self._generate(episode, observation, rng), space)
 
     def again(
         self,
@@ -108,7 +107,7 @@ class DiffusedSource:
         A chain that was followed to its end in vain is always replaced.
         """
         assert self._last is not None
-        asked = self._generate(episode, observation, space, rng)
+        asked = self._generate(episode, observation, rng)
         if self._generator.config.keep_shorter and index is not None:
             ahead = self._last.found.latents[index + 1 :]
             left = torch.cat([asked.found.latents[:1], ahead])
@@ -118,7 +117,7 @@ class DiffusedSource:
         return self._decode(asked, space)
 
     def _generate(
-        self, episode: Episode, observation: Observation, space: Placed, rng: np.random.Generator
+        self, episode: Episode, observation: Observation, rng: np.random.Generator
     ) -> _Asked:
         canonical = episode.canonical_cloud
         now, wanted = observation["achieved_goal"], observation["desired_goal"]
@@ -141,7 +140,7 @@ class DiffusedSource:
             scene=torch.from_numpy(tokens.seen_from(middle, self._latent.config.scene_size)),
         )
         found = self._generator.generate(task, rng)
-        return _Asked(task, frame, found, space.goal(wanted), wanted, canonical)
+        return _Asked(task, frame, found, wanted, canonical)
 
     def _decode(self, asked: _Asked, space: Placed) -> Subgoals:
         found, config = asked.found, self._generator.config
@@ -153,7 +152,7 @@ class DiffusedSource:
         else:
             features = space.here(clouds.astype(np.float32))
         if not asked.task.foreign or config.inpaint_goal:
-            features[-1] = asked.goal  # better known than can be generated
+            features[-1] = space.goal(asked.wanted)  # better known than can be generated
         if not asked.task.foreign and clouds is not None:
             clouds[-1] = asked.wanted
         if clouds is None and space.back is not None:

@@ -104,7 +104,7 @@ def test_chains_are_generated_in_one_field_and_followed_in_the_other(
 
 
 def test_what_is_decoded_cannot_be_followed_in_another_field() -> None:
-    with pytest.raises(CheckpointError, match="leave out the part 'whole'"):
+    with pytest.raises(CheckpointError, match="trained on one field"):
         ICDAgent(two_fields(), "paper")
 
 
