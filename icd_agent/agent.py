@@ -173,7 +173,7 @@ class ICDAgent:
         if networks.whole is not None and not settings.chain.ask_field:
             raise CheckpointError(
                 f"preset {preset!r} follows decoded descriptors, but by {WHOLE!r} these weights "
-                "encode another field's than they follow: use weights that were trained on one field"
+                "encode another field's than they follow: use weights trained on one field"
             )
         self.networks = networks
         self.preset = preset
