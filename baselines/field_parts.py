@@ -7,7 +7,6 @@ from typing import Final, Literal
 
 from torch import Tensor
 
-from icd_agent.agent import PRESETS, best_preset, load_shipped
 from icd_agent.chain import CostSpace, PointSpace
 from icd_agent.diffused import DiffusedSource
 from icd_agent.diffusion.generate import Generator
@@ -15,6 +14,8 @@ from icd_agent.field.encoder import SceneCode
 from icd_agent.field.field import FieldOutput, SceneField
 from icd_agent.field.space import FieldSpace
 from icd_agent.mppi.presets import preset
+from icd_agent.networks import load_shipped
+from icd_agent.presets import PRESETS, best_preset
 from icd_agent.tracking import SubgoalTracker
 
 REACH: Final = 0.1

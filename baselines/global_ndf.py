@@ -8,7 +8,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from icd_agent.agent import ICDAgent, best_preset, load_networks
+from icd_agent.agent import ICDAgent
+from icd_agent.networks import load_networks
+from icd_agent.presets import best_preset
 from icd_agent.weights import GLOBAL, shipped_folder
 
 

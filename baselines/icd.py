@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from icd_agent.agent import ICDAgent, best_preset, load_networks, load_shipped
+from icd_agent.agent import ICDAgent
+from icd_agent.networks import load_networks, load_shipped
+from icd_agent.presets import best_preset
 from icd_agent.weights import LOCAL, shipped_folder
 
 

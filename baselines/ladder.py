@@ -10,7 +10,14 @@ import numpy as np
 from icd_agent.chain import Placed, PointSpace, Subgoals, SubgoalSource
 from icd_agent.mppi.presets import preset
 from icd_agent.tracking import SubgoalTracker, TrackerConfig
-from icd_agent.weights import GLOBAL_FIELD, LOCAL_FIELD, chains_in, shipped_folder, weights_name
+from icd_agent.weights import (
+    GLOBAL_FIELD,
+    LOCAL_FIELD,
+    chains_in,
+    shipped_chains,
+    shipped_folder,
+    weights_name,
+)
 from icd_envs.api import Episode, Observation
 from icd_envs.errors import InvalidOptionError
 
@@ -100,16 +107,17 @@ def make_vae(env_id: str) -> SubgoalTracker:
     from icd_agent.encoded import EncodedSource
     from icd_agent.latent.train import KIND, load_latent
 
-    latent = load_latent(shipped_folder(env_id, f"{chains_in(env_id)}/{KIND}"))
+    latent = load_latent(shipped_chains(env_id, KIND))
     return _track_as_icd(EncodedSource(OracleSource(), latent), env_id)
 
 
 def make_retrieved_chain(env_id: str) -> SubgoalTracker:
     """Build rung 4: the recorded chain nearest to a generated one; what fails are such chains."""
-    from icd_agent.agent import PRESETS, best_preset, load_shipped
     from icd_agent.diffused import DiffusedSource
     from icd_agent.diffusion.generate import Generator
     from icd_agent.diffusion.retrieval import KIND, Retriever, load_bank
+    from icd_agent.networks import load_shipped
+    from icd_agent.presets import PRESETS, best_preset
 
     networks = load_shipped(env_id)
     generator = Generator(networks.diffusion, networks.latent, PRESETS[best_preset(env_id)].chain)
@@ -119,8 +127,8 @@ def make_retrieved_chain(env_id: str) -> SubgoalTracker:
 
 def _track_as_icd(source: SubgoalSource, env_id: str) -> SubgoalTracker:
     """Follow decoded subgoals: with ICD's tracker, in the field that they were encoded in."""
-    from icd_agent.agent import PRESETS, best_preset
     from icd_agent.field.space import FieldSpace
+    from icd_agent.presets import PRESETS, best_preset
 
     settings = PRESETS[best_preset(env_id)]
     config = replace(settings.tracker, replan_every=None)

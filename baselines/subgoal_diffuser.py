@@ -9,7 +9,6 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from icd_agent.agent import PRESETS, best_preset
 from icd_agent.diffused import DiffusedSource
 from icd_agent.diffusion.generate import Generator
 from icd_agent.diffusion.train import KIND as DIFFUSION
@@ -18,6 +17,7 @@ from icd_agent.field.train import load_field
 from icd_agent.latent.train import KIND as LATENT
 from icd_agent.latent.train import load_latent
 from icd_agent.mppi.presets import preset
+from icd_agent.presets import PRESETS, best_preset
 from icd_agent.scene_points import ScenePoints
 from icd_agent.tracking import SubgoalTracker
 from icd_agent.weights import LOCAL_FIELD, SUBGOAL_DIFFUSER, shipped_folder

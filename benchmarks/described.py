@@ -17,7 +17,7 @@ from icd_agent.field.train import load_field
 from icd_agent.scene_points import placed_in
 from icd_agent.scene_tokens import SceneTokens, scene_tokens
 from icd_agent.states import States, describe_states
-from icd_agent.weights import LOCAL_FIELD, chains_in, shipped_folder
+from icd_agent.weights import LOCAL_FIELD, shipped_chains, shipped_folder
 from icd_envs.api import Float32Array, FloatArray
 from icd_envs.demonstrations import Demonstrations
 from icd_envs.errors import DemonstrationsError
@@ -64,7 +64,7 @@ def describe(env_id: str, data: Path, field: Path | None, episodes: int) -> Desc
     def descriptors(network: SceneField, scene: Float32Array) -> tuple[Features, SceneTokens]:
         return exact_features(network, scene), scene_tokens(network, scene)
 
-    folder = shipped_folder(env_id, f"{chains_in(env_id)}/{FIELD}") if field is None else field
+    folder = shipped_chains(env_id, FIELD) if field is None else field
     return _describe(env_id, data, folder, episodes, descriptors, "descriptors")
 
 

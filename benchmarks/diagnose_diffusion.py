@@ -27,7 +27,7 @@ from icd_agent.latent.train import KIND as LATENT
 from icd_agent.latent.train import load_latent
 from icd_agent.scene_tokens import Frame
 from icd_agent.states import States
-from icd_agent.weights import chains_in, shipped_folder
+from icd_agent.weights import shipped_chains
 from icd_envs.api import Float32Array, FloatArray
 
 UNREACHABLE = 1e-3
@@ -73,7 +73,7 @@ def diagnose(
     Raises:
         IcdError: unknown environment, missing or damaged weights.
     """
-    shipped = shipped_folder(env_id, chains_in(env_id))
+    shipped = shipped_chains(env_id)
     field = shipped / FIELD if field is None else field
     model = load_latent(shipped / LATENT if latent is None else latent)
     denoiser = load_diffusion(shipped / DIFFUSION if weights is None else weights)

@@ -10,10 +10,11 @@ import numpy as np
 
 from benchmarks.conditions import Condition, TaskSpec, make_env, parse_options
 from benchmarks.console import Values
-from icd_agent.agent import PRESETS, best_preset, load_networks, load_shipped
 from icd_agent.diffused import DiffusedSource
 from icd_agent.diffusion.generate import Generator
 from icd_agent.field.space import ExactFieldSpace
+from icd_agent.networks import load_networks, load_shipped
+from icd_agent.presets import PRESETS, best_preset
 from icd_envs import ENV_IDS
 from icd_envs.errors import InvalidOptionError, unknown_name
 from icd_envs.tasks.env import ContactEnv

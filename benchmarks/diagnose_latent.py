@@ -16,7 +16,7 @@ from icd_agent.latent.pairs import draw_pairs
 from icd_agent.latent.reachability import expected_steps, shortest_steps
 from icd_agent.latent.train import KIND, load_latent
 from icd_agent.states import States
-from icd_agent.weights import chains_in, shipped_folder
+from icd_agent.weights import shipped_chains
 from icd_envs.api import Float64Array
 
 PAIRS = 4000
@@ -47,7 +47,7 @@ def diagnose(
     Raises:
         IcdError: unknown environment, missing or damaged weights.
     """
-    shipped = shipped_folder(env_id, f"{chains_in(env_id)}/{KIND}")
+    shipped = shipped_chains(env_id, KIND)
     model = load_latent(shipped if weights is None else weights)
     states = held_out(env_id, scenes, seed=seed, field=field).states
     latents = encode_states(states, model)

@@ -9,11 +9,12 @@ import gymnasium as gym
 import numpy as np
 
 from benchmarks.figures import Colours, new_figure, save_figure
-from icd_agent.agent import PRESETS, load_networks, load_shipped
 from icd_agent.diffused import DiffusedSource
 from icd_agent.diffusion.generate import Generator
 from icd_agent.field.space import ExactFieldSpace
 from icd_agent.mppi.costs import squared_distance
+from icd_agent.networks import load_networks, load_shipped
+from icd_agent.presets import PRESETS
 from icd_envs import ENV_IDS
 from icd_envs.api import Float32Array, FloatArray
 from icd_envs.errors import InvalidOptionError, unknown_name

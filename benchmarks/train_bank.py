@@ -11,7 +11,7 @@ from icd_agent.diffusion.retrieval import KIND, make_bank
 from icd_agent.diffusion.train import encode_states
 from icd_agent.latent.train import KIND as LATENT
 from icd_agent.latent.train import load_latent
-from icd_agent.weights import chains_in, shipped_folder
+from icd_agent.weights import shipped_chains
 
 CHAINS = 300
 
@@ -35,7 +35,7 @@ def bank(
     Raises:
         IcdError: unfitting data or weights, or no episode that solved its task.
     """
-    folder = shipped_folder(env_id, f"{chains_in(env_id)}/{LATENT}") if latent is None else latent
+    folder = shipped_chains(env_id, LATENT) if latent is None else latent
     network = load_latent(folder)
     states, about = describe(env_id, data, field, episodes)
     kept = make_bank(states, encode_states(states, network), CHAINS)

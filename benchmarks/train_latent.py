@@ -11,7 +11,7 @@ from benchmarks.train_chains import fit_diffusion, fit_latent
 from icd_agent.latent.train import KIND as LATENT
 from icd_agent.training.device import check_device
 from icd_agent.training.loop import Trained
-from icd_agent.weights import chains_in, shipped_folder
+from icd_agent.weights import shipped_chains
 
 
 def latent(
@@ -81,7 +81,7 @@ def diffusion(
         IcdError: unfitting data or weights, unusable device, see also ``train_diffusion``.
     """
     check_device(device)
-    folder = shipped_folder(env_id, f"{chains_in(env_id)}/{LATENT}") if latent is None else latent
+    folder = shipped_chains(env_id, LATENT) if latent is None else latent
     described = describe(env_id, data, field, episodes)
     trained = fit_diffusion(described, folder, out, steps=steps, seed=seed, device=device)
     return _values(out, trained, described.about)

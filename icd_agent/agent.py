@@ -3,129 +3,30 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Final, NamedTuple, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
 from icd_agent.chain import WithPlaces
-from icd_agent.checkpoints import save_checkpoint
 from icd_agent.diffused import DiffusedSource
-from icd_agent.diffusion.config import ChainConfig
-from icd_agent.diffusion.denoiser import Denoiser
 from icd_agent.diffusion.generate import Generator
-from icd_agent.diffusion.train import KIND as DIFFUSION
-from icd_agent.diffusion.train import load_diffusion
-from icd_agent.field.field import SceneField
 from icd_agent.field.space import ExactFieldSpace, FieldSpace
-from icd_agent.field.train import KIND as FIELD
-from icd_agent.field.train import load_field
-from icd_agent.latent.model import LatentModel
-from icd_agent.latent.train import KIND as LATENT
-from icd_agent.latent.train import load_latent
 from icd_agent.mppi.presets import preset as mppi_preset
+from icd_agent.networks import (
+    WHOLE,
+    Networks,
+    check_fit,
+    find_folder,
+    load_networks,
+    load_shipped,
+    save_networks,
+)
 from icd_agent.plan_info import PlanInfo
-from icd_agent.tracking import SubgoalTracker, TrackerConfig
-from icd_agent.weights import LOCAL, LOCAL_FIELD, chains_in, shipped_folder, weights_name
+from icd_agent.presets import PRESETS, best_preset
+from icd_agent.tracking import SubgoalTracker
+from icd_agent.weights import LOCAL, shipped_folder, weights_name
 from icd_envs.api import Episode, Float32Array, Observation, PlanView
 from icd_envs.errors import CheckpointError, EpisodeStateError, InvalidOptionError, unknown_name
-
-
-class Preset(NamedTuple):
-    """A named way to run ICD.
-
-    Attributes:
-        mppi: name of the planner's settings.
-        chain: how chains are generated.
-        tracker: how they are followed.
-        places: weight of a metre between object states, beside descriptors; 0 is none.
-    """
-
-    mppi: str
-    chain: ChainConfig
-    tracker: TrackerConfig
-    places: float = 0.0
-
-
-_CLOSELY: Final = TrackerConfig(
-    threshold=0.5, spacing="own", passed=0.7, window=1, patience=10, replan_every=20
-)
-
-PRESETS: Final = {
-    "paper": Preset(
-        "adaptive",
-        ChainConfig(chains=1, ask_field=False, inpaint_goal=True, keep_shorter=False),
-        TrackerConfig(replan_every=20),
-    ),
-    "improved": Preset("improved", ChainConfig(), _CLOSELY, places=0.2),
-    "careful": Preset("adaptive", ChainConfig(), _CLOSELY, places=0.2),
-}
-"""``paper``: one chain, minimum over all remaining subgoals, the goal in-painted. ``improved``: the
-one of several chains that is most like the others, one subgoal at a time, passed once most of the
-way to it is done, the last one generated if the goal is foreign, noise correlated in time.
-``careful``: the same with the paper's white noise, for objects that must not be hurried."""
-
-WHOLE: Final = "whole"
-"""Folder of the field that chains are generated in, if they are followed in another."""
-
-_BEST: Final = {"notebook-folding": "careful"}
-
-
-def best_preset(source: str | Path) -> str:
-    """Name of the settings that did best in training scenes.
-
-    Args:
-        source: as ``ICDAgent.from_pretrained`` takes it.
-    """
-    return _BEST.get(weights_name(str(source)) or "", "improved")
-
-
-class Networks(NamedTuple):
-    """What ICD has learned, all in evaluation mode.
-
-    Attributes:
-        field: in whose descriptors chains are followed.
-        latent: autoencoder of object states.
-        diffusion: generates chains of its latents.
-        whole: field whose descriptors are encoded, with one code for the whole scene, because these
-            are much the same in another scene; None is ``field``, as in the paper.
-    """
-
-    field: SceneField
-    latent: LatentModel
-    diffusion: Denoiser
-    whole: SceneField | None = None
-
-    @property
-    def encoded(self) -> SceneField:
-        """The field whose descriptors are encoded."""
-        return self.field if self.whole is None else self.whole
-
-
-def load_networks(folder: Path) -> Networks:
-    """Read what ``save_pretrained`` has written.
-
-    Raises:
-        CheckpointError: missing or damaged weights.
-    """
-    return Networks(
-        load_field(folder / FIELD),
-        load_latent(folder / LATENT),
-        load_diffusion(folder / DIFFUSION),
-        load_field(folder / WHOLE) if (folder / WHOLE).is_dir() else None,
-    )
-
-
-def load_shipped(env_id: str) -> Networks:
-    """Read the package's weights: chains are generated where that did best, followed locally.
-
-    Raises:
-        CheckpointError: there are none for this environment, or they are damaged.
-    """
-    generated = load_networks(shipped_folder(env_id, chains_in(env_id)))
-    if chains_in(env_id) == LOCAL:
-        return generated
-    local = load_field(shipped_folder(env_id, LOCAL_FIELD))
-    return generated._replace(field=local, whole=generated.field)
 
 
 class Env(Protocol):
@@ -168,7 +69,7 @@ class ICDAgent:
         """
         if preset not in PRESETS:
             raise InvalidOptionError(unknown_name("ICD preset", preset, PRESETS))
-        _check_fit(networks)
+        check_fit(networks)
         settings = PRESETS[preset]
         if networks.whole is not None and not settings.chain.ask_field:
             raise CheckpointError(
@@ -209,7 +110,7 @@ class ICDAgent:
         """
         preset = best_preset(source) if preset is None else preset
         if weights_name(str(source)) is None:
-            networks = load_networks(_find(source))
+            networks = load_networks(find_folder(source))
         elif preset == "paper":
             networks = load_networks(shipped_folder(str(source), LOCAL))
         else:
@@ -218,13 +119,7 @@ class ICDAgent:
 
     def save_pretrained(self, folder: str | Path) -> None:
         """Write the weights, for ``from_pretrained``; files of the same names are replaced."""
-        networks = self.networks
-        parts = [(FIELD, FIELD, networks.field), (LATENT, LATENT, networks.latent)]
-        parts.append((DIFFUSION, DIFFUSION, networks.diffusion))
-        if networks.whole is not None:
-            parts.append((WHOLE, FIELD, networks.whole))
-        for part, kind, network in parts:
-            save_checkpoint(Path(folder) / part, kind, network, network.config, {})
+        save_networks(self.networks, Path(folder))
 
     @property
     def plan_info(self) -> PlanInfo | None:
@@ -276,27 +171,3 @@ class ICDAgent:
             self._ready = True
         action = self.act(single)
         return (action[None] if batched else action), state
-
-
-def _check_fit(networks: Networks) -> None:
-    described, latent = networks.encoded.config.descriptor, networks.latent.config
-    diffusion = networks.diffusion.config
-    if not latent.features == latent.scene_features == diffusion.scene_features == described:
-        raise CheckpointError(
-            f"the field describes points by {described} numbers, but the autoencoder takes "
-            f"{latent.features} features and scene tokens of {latent.scene_features}, the denoiser "
-            f"of {diffusion.scene_features}: use networks that were trained on one another"
-        )
-    if latent.latent != diffusion.latent:
-        raise CheckpointError(
-            f"latents have {latent.latent} numbers, but the denoiser takes {diffusion.latent} "
-            "numbers: use networks that were trained on one another"
-        )
-
-
-def _find(source: str | Path) -> Path:
-    if isinstance(source, Path) or Path(source).is_dir() or source.count("/") != 1:
-        return Path(source)
-    from huggingface_hub import snapshot_download
-
-    return Path(snapshot_download(source, allow_patterns=["*.json", "*.safetensors"]))

@@ -70,3 +70,16 @@ def shipped_folder(env_id: str, part: str = "") -> Path:
             f"no weights of {part!r} are shipped for {env_id}: train them: icd-bench train --help"
         )
     return folder
+
+
+def shipped_chains(env_id: str, part: str = "") -> Path:
+    """Where the networks are that generate the chains of the package's ICD.
+
+    Args:
+        env_id: id of the environment.
+        part: ``field``, ``latent`` or ``diffusion``; empty is the folder of all.
+
+    Raises:
+        CheckpointError: none are shipped for this environment.
+    """
+    return shipped_folder(env_id, f"{chains_in(env_id)}/{part}")

@@ -21,14 +21,15 @@ from mujoco import rollout
 import icd_envs  # noqa: F401  registers the environments
 from baselines.pc_mppi import make_pc_mppi
 from benchmarks.perf.naive_cable import make_naive
-from icd_agent.agent import PRESETS, best_preset, load_shipped
 from icd_agent.diffused import DiffusedSource
 from icd_agent.diffusion.config import ChainConfig
 from icd_agent.diffusion.denoiser import Denoiser
 from icd_agent.diffusion.generate import Generated, Generator, Task
 from icd_agent.field.space import ExactFieldSpace, FieldSpace
 from icd_agent.latent.model import LatentModel
+from icd_agent.networks import load_shipped
 from icd_agent.plan_info import PlanInfo
+from icd_agent.presets import PRESETS, best_preset
 from icd_envs.api import Episode, FloatArray, Observation, Oracle, Rollout, SimState
 from icd_envs.physics.simulator import RolloutSimulator
 from icd_envs.scenes.arena import SUBSTEPS

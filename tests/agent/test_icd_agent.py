@@ -14,11 +14,13 @@ import torch
 from gymnasium.wrappers import TimeLimit
 from stable_baselines3.common.evaluation import evaluate_policy
 
-from icd_agent.agent import PRESETS, ICDAgent, Networks, best_preset
+from icd_agent.agent import ICDAgent
 from icd_agent.diffusion.config import DiffusionConfig
 from icd_agent.diffusion.denoiser import Denoiser
 from icd_agent.latent.config import LatentConfig
 from icd_agent.latent.model import LatentModel
+from icd_agent.networks import Networks
+from icd_agent.presets import PRESETS, best_preset
 from icd_agent.scene_tokens import TOKENS
 from icd_agent.training.initial import initialise
 from icd_envs.api import Agent
