@@ -150,7 +150,8 @@ class ICDAgent:
         Args:
             observation: of ``env``, or a batch of one from a vector environment around it.
             state: returned as it is.
-            episode_start: (1,) whether an episode begins; without it, one begins at the first call.
+            episode_start: (1,) whether an episode begins, besides at the first call and whenever
+                ``env`` stands where ``reset`` leaves it.
             deterministic: not used; draws follow from the seed 0 of every episode.
 
         Raises:
@@ -166,8 +167,10 @@ class ICDAgent:
             count = len(observation["achieved_goal"])
             raise InvalidOptionError(f"observation holds {count} environments: predict one")
         single: Any = {key: value[0] if batched else value for key, value in observation.items()}
-        if not self._ready or (episode_start is not None and np.any(episode_start)):
-            self.reset(self._env.unwrapped.episode(simulator=True), seed=0)
+        unwrapped = self._env.unwrapped
+        begins = episode_start is not None and np.any(episode_start)
+        if begins or not self._ready or unwrapped.snapshot().steps == 0:
+            self.reset(unwrapped.episode(simulator=True), seed=0)
             self._ready = True
         action = self.act(single)
         return (action[None] if batched else action), state

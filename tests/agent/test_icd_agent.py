@@ -23,7 +23,7 @@ from icd_agent.networks import Networks
 from icd_agent.presets import PRESETS, best_preset
 from icd_agent.scene_tokens import TOKENS
 from icd_agent.training.initial import initialise
-from icd_envs.api import Agent
+from icd_envs.api import Agent, FloatArray
 from icd_envs.errors import CheckpointError, EpisodeStateError, InvalidOptionError
 from tests.agent.field.small import SMALL, small_field
 from tests.envs.making import CABLE
@@ -126,6 +126,18 @@ def test_predict_is_the_policy_interface_of_stable_baselines(env: gym.Env[Any, A
     batched = {name: value[None] for name, value in observation.items()}
     again, _ = agent.predict(batched, episode_start=np.array([True]))
     np.testing.assert_array_equal(again, action[None])
+
+
+def test_predict_begins_anew_after_every_reset(env: gym.Env[Any, Any]) -> None:
+    def predicted(agent: ICDAgent, seed: int) -> FloatArray:
+        observation, _ = env.reset(seed=seed)
+        first, _ = agent.predict(observation)
+        second, _ = agent.predict(env.step(first)[0])
+        return np.array([first, second])
+
+    agent = ICDAgent(networks(), env=env)
+    predicted(agent, 3)
+    np.testing.assert_array_equal(predicted(agent, 4), predicted(ICDAgent(networks(), env=env), 4))
 
 
 def test_stable_baselines_evaluates_it(env: gym.Env[Any, Any]) -> None:

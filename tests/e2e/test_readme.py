@@ -38,6 +38,18 @@ def test_readme_environment_example_runs() -> None:
     assert result.stdout.split() == ["False", "0.0", "(200,", "3)"]
 
 
+def test_readme_icd_example_runs() -> None:
+    code = block("python", "ICDAgent")
+    long, short = "while not done:", "for _ in range(3):"
+    assert code.count(long) == 1
+    result = subprocess.run(
+        [sys.executable, "-c", code.replace(long, short)],
+        capture_output=True, text=True, check=False, timeout=240,
+    )  # fmt: skip
+    assert result.returncode == 0, result.stderr
+    assert result.stdout.split() == ["False", "0.0"]
+
+
 def test_readme_agent_example_gets_a_row_in_the_table(tmp_path: Path) -> None:
     (tmp_path / "my_agent.py").write_text(block("python", "my_agent.py"), encoding="utf-8")
     command = re.search(r"icd-bench (run --agent my_agent:Pull .*) --episodes 20", README)
