@@ -10,7 +10,7 @@ from benchmarks.conditions import task_title
 from benchmarks.report.collected import Collected
 from benchmarks.report.comparisons import compare_all
 from benchmarks.report.paper import PaperResult, paper_of
-from benchmarks.report.summaries import Summary, summarise
+from benchmarks.report.summaries import Summary, summaries, summarise
 from benchmarks.statistics import Interval
 
 _HEADINGS: Final = (
@@ -29,8 +29,11 @@ NOTE: Final = (
 
 
 def to_markdown(collected: Collected) -> str:
-    """One table for each task, with the paired comparisons below it."""
+    """Success at a glance if there are several tasks, then a table and comparisons for each."""
     parts = [f"> **Read with care:** {_plain(warning)}\n" for warning in collected.warnings()]
+    if len(collected.tasks) > 1:
+        parts.append("### Success at a glance\n")
+        parts.append("\n".join(map(_markdown_line, _glance(collected))) + "\n")
     for task in collected.tasks:
         rows = collected.rows_of(task)
         lines = [_cells(summarise(agent, *task.key, found)) for agent, found in rows.items()]
@@ -63,6 +66,20 @@ def to_latex(collected: Collected) -> str:
     return "% needs \\usepackage{booktabs}\n" + "".join(comments) + "\n".join(tables)
 
 
+def _glance(collected: Collected) -> list[tuple[str, ...]]:
+    """Heading, rule and a line for each agent; empty where it was not run."""
+    titles = [task_title(*task.key) for task in collected.tasks]
+    found: dict[str, dict[str, Summary]] = {}
+    for summary in summaries(collected):
+        title = task_title(summary.env, summary.condition)
+        found.setdefault(summary.agent, {})[title] = summary
+    lines = [("agent", *titles), ("---", *("---:",) * len(titles))]
+    for agent, by_title in found.items():
+        cells = [_success(by_title[title]) if title in by_title else "" for title in titles]
+        lines.append((agent, *cells))
+    return lines
+
+
 _RULE: Final = ("---", "---", *("---:",) * (len(_HEADINGS) - 2))
 
 
@@ -71,13 +88,18 @@ def _cells(summary: Summary) -> tuple[str, ...]:
     return (
         summary.agent,
         summary.privileged or "observations",
-        f"{summary.successes}/{summary.finished} {_rate(summary.success, summary.success_ci)}",
+        _success(summary),
         _rate(summary.complete, summary.complete_ci),
         "n/a" if steps is None else f"{steps:.0f}",
         "n/a" if seconds is None else f"{1e3 * seconds:.1f}",
         str(summary.errors),
         _paper(paper_of(summary.env, summary.condition).get(summary.agent)),
     )
+
+
+def _success(summary: Summary) -> str:
+    rate = _rate(summary.success, summary.success_ci)
+    return f"{summary.successes}/{summary.finished} {rate}"
 
 
 def _rate(rate: float | None, interval: Interval | None) -> str:

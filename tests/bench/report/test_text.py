@@ -21,6 +21,16 @@ def test_markdown_is_a_table_with_verdicts(tmp_path: Path) -> None:
     assert "- a / b, 6 common episodes: a better (p = 0.031)" in text
 
 
+def test_several_tasks_are_shown_at_a_glance(tmp_path: Path) -> None:
+    one = save(tmp_path / "one", make_rows("a", [True] * 6))
+    other = save(tmp_path / "other", make_rows("b", [False] * 6, env="F-v0"))
+    text = to_markdown(collect([one, other]))
+    assert "| agent | E-v0 | F-v0 |\n| --- | ---: | ---: |\n" in text
+    assert "| a | 6/6 100.0 \\[61, 100\\] |  |\n" in text
+    assert "| b |  | 0/6 0.0 \\[0, 39\\] |\n" in text
+    assert "glance" not in to_markdown(collect([one]))
+
+
 def test_names_stay_text_in_markdown(tmp_path: Path) -> None:
     folder = save(tmp_path, [make_row(agent=EVIL), make_row(agent="b", status="error", message="")])
     html = MarkdownIt("commonmark").enable("table").render(to_markdown(collect([folder])))
