@@ -40,7 +40,7 @@ def test_published_manifests_describe_their_rows(folder: Path) -> None:
 
 
 def test_there_is_a_manifest_of_the_first_schema() -> None:
-    folder = PUBLISHED / "references-ICDCableRouting-v0"
+    folder = PUBLISHED / "gates-ICDCableRouting-v0" / "rows" / "pc-mppi"
     assert json.loads((folder / FILE_NAME).read_text(encoding="utf-8"))["schema"] == 1
     manifest = read_manifest(folder)
     assert manifest.schema == SCHEMA
