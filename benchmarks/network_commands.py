@@ -270,11 +270,11 @@ def render_chain(
 def render_episode(
     agent: Annotated[str, typer.Option(help="Agent, as icd-bench run takes it.")],
     env: Env,
-    out: Picture,
+    out: Annotated[Path, typer.Option(help="PNG file for a strip of pictures, GIF for a film.")],
     options: TaskOptions = None,
     seed: Seed = 0,
 ) -> None:
-    """Draw a strip of pictures of one test episode."""
+    """Draw one test episode."""
     with errors_in_one_line():
         from benchmarks.render_episode import render
 

@@ -7,10 +7,10 @@ from typing import Any, Final, NamedTuple
 
 import gymnasium as gym
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image
 
 import icd_envs  # noqa: F401  registers the environments
+from benchmarks.gif import Frame, shrunk
 from icd_envs.api import SimState
 from icd_envs.screen import CAMERAS
 
@@ -18,8 +18,6 @@ FOLDER: Final = Path(__file__).parent / "img"
 WIDTH: Final = 480
 HEIGHT: Final = 360
 """[px] of a frame."""
-
-Frame = NDArray[np.uint8]
 
 
 class Film(NamedTuple):
@@ -60,20 +58,6 @@ def all_views(env_id: str, seed: int, state: SimState) -> Frame:
         views.append(env.render())
         env.close()
     return np.concatenate([shrunk(view, 320) for view in views], axis=1)
-
-
-def contact_sheet(frames: list[Frame]) -> Frame:
-    """(540, 960, 3) twelve of the frames, first and last included, row by row."""
-    shown = np.linspace(0, len(frames) - 1, 12).round().astype(int).reshape(3, 4)
-    return np.concatenate(
-        [np.concatenate([shrunk(frames[i], 240) for i in row], axis=1) for row in shown]
-    )
-
-
-def shrunk(frame: Frame, width: int) -> Frame:
-    """The same picture, ``width`` pixels wide."""
-    size = (width, width * frame.shape[0] // frame.shape[1])
-    return np.asarray(Image.fromarray(frame).resize(size, Image.Resampling.LANCZOS))
 
 
 def save(name: str, picture: Frame) -> None:

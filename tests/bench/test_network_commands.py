@@ -116,6 +116,22 @@ def test_episode_is_drawn_from_its_beginning_to_its_end(tmp_path: Path) -> None:
     assert np.abs(left.astype(int) - right).mean() > 1
 
 
+def test_episode_is_filmed(tmp_path: Path) -> None:
+    out = tmp_path / "new" / "episode.gif"
+    drawn = icd_bench(
+        "render", "episode", "--agent", "random", "--env", "ICDNotebookFolding-v0", "--out", out
+    )
+    assert drawn.exit_code == 0, drawn.stderr
+    with Image.open(out) as film:
+        assert film.n_frames == 76  # type: ignore[attr-defined]  every other state of 151
+        assert film.size == (320, 240)
+        frames = []
+        for index in (0, 75):
+            film.seek(index)
+            frames.append(np.asarray(film.convert("L")).astype(int))
+    assert np.abs(frames[0] - frames[1]).mean() > 0.1
+
+
 def test_episode_is_drawn_with_options_of_the_task(tmp_path: Path) -> None:
     command = (
         "render",
@@ -145,6 +161,7 @@ def _halves(picture: Image.Image) -> tuple[tuple[int, int, int, int], ...]:
         (("diagnose", "field", "--env", "ICDCable"), "did you mean"),
         (("render", "chain", "--env", "ICDCable", "--out", "chain.png"), "did you mean"),
         (("render", "chain", "--env", CABLE, "--out", "chain.jpg"), "ends in .png"),
+        (("render", "episode", "--agent", "icd", "--env", CABLE, "--out", "e.mp4"), "or .gif"),
         (("render", "episode", "--agent", "icdd", "--env", CABLE, "--out", "e.png"), "agent"),
         (("render", "field", "--env", CABLE, "--out", "field.jpg"), "ends in .png"),
         (("diagnose", "field", "--env", CABLE, "--weights", "nowhere"), "cannot read nowhere"),
