@@ -30,7 +30,7 @@ def test_readme_options_example_runs() -> None:
 
 
 def test_readme_environment_example_runs() -> None:
-    code = block("python", "env.step(")
+    code = block("python", "action_space.sample")
     result = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=120
     )
