@@ -20,6 +20,7 @@ from benchmarks.network_commands import (
     Steps,
     say,
 )
+from benchmarks.training_order import TrainingOrder
 
 LatentSteps = Annotated[int, typer.Option(min=1, help="Optimiser steps of the autoencoder.")]
 
@@ -39,17 +40,8 @@ def train_subgoal_diffuser(
     with errors_in_one_line():
         from benchmarks.train_subgoal_diffuser import train
 
-        values = train(
-            env,
-            data,
-            out,
-            device=device,
-            latent_steps=latent_steps,
-            steps=steps,
-            episodes=episodes,
-            seed=seed,
-        )
-        say(values, as_json)
+        order = TrainingOrder(env, data, out, device, steps, episodes, seed)
+        say(train(order, latent_steps=latent_steps), as_json)
 
 
 def train_global_ndf(
@@ -71,18 +63,8 @@ def train_global_ndf(
     with errors_in_one_line():
         from benchmarks.train_global_ndf import train
 
-        values = train(
-            env,
-            data,
-            out,
-            device=device,
-            field_steps=field_steps,
-            latent_steps=latent_steps,
-            steps=steps,
-            episodes=episodes,
-            seed=seed,
-        )
-        say(values, as_json)
+        order = TrainingOrder(env, data, out, device, steps, episodes, seed)
+        say(train(order, field_steps=field_steps, latent_steps=latent_steps), as_json)
 
 
 def _policy_command(name: str) -> Callable[..., None]:
@@ -107,18 +89,8 @@ def _policy_command(name: str) -> Callable[..., None]:
         with errors_in_one_line():
             from benchmarks.train_policy import train
 
-            values = train(
-                name,
-                env,
-                data,
-                out,
-                device=device,
-                steps=steps,
-                episodes=episodes,
-                solved_only=solved_only,
-                seed=seed,
-            )
-            say(values, as_json)
+            order = TrainingOrder(env, data, out, device, steps, episodes, seed)
+            say(train(name, order, solved_only=solved_only), as_json)
 
     return train_policy
 

@@ -9,6 +9,7 @@ from typing import Annotated, Final, Literal
 import typer
 
 from benchmarks.console import AsJson, TaskOptions, Values, errors_in_one_line
+from benchmarks.training_order import TrainingOrder
 
 GROUPS: Final = {
     "train": typer.Typer(help="Train a network from recorded demonstrations."),
@@ -113,10 +114,8 @@ def train_latent(
     with errors_in_one_line():
         from benchmarks.train_latent import latent
 
-        values = latent(
-            env, data, out, field=field, device=device, steps=steps, episodes=episodes, seed=seed
-        )
-        say(values, as_json)
+        order = TrainingOrder(env, data, out, device, steps, episodes, seed)
+        say(latent(order, field=field), as_json)
 
 
 @GROUPS["train"].command("diffusion")
@@ -136,18 +135,8 @@ def train_diffusion(
     with errors_in_one_line():
         from benchmarks.train_latent import diffusion
 
-        values = diffusion(
-            env,
-            data,
-            out,
-            field=field,
-            latent=latent,
-            device=device,
-            steps=steps,
-            episodes=episodes,
-            seed=seed,
-        )
-        say(values, as_json)
+        order = TrainingOrder(env, data, out, device, steps, episodes, seed)
+        say(diffusion(order, field=field, latent=latent), as_json)
 
 
 @GROUPS["train"].command("bank")

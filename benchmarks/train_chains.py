@@ -6,6 +6,7 @@ from pathlib import Path
 
 from benchmarks.console import Values
 from benchmarks.described import Described
+from benchmarks.training_order import TrainingOrder
 from benchmarks.training_progress import training
 from icd_agent.checkpoints import weights_sha256
 from icd_agent.diffusion.config import DiffusionConfig
@@ -18,32 +19,28 @@ from icd_agent.training.config import TrainingConfig
 from icd_agent.training.loop import Trained
 
 
-def fit_latent(described: Described, out: Path, *, steps: int, seed: int, device: str) -> Trained:
+def fit_latent(described: Described, order: TrainingOrder) -> Trained:
     """Train an autoencoder of described states, showing progress.
 
     Args:
         described: the states.
-        out: of the run.
-        steps: optimiser steps in all.
-        seed: of initial weights and data.
-        device: where to train.
+        order: how long, and where to.
     """
     states, about = described
     points, features = states.features.shape[1:]
     config = LatentConfig(features, states.tokens.features.shape[-1], points)
-    settings = TrainingConfig(steps=steps, learning_rate=1e-3, seed=seed)
-    with training(f"latents of {about['env']}", steps) as seen:
-        return train_latent(states, config, settings, out, about=about, device=device, seen=seen)
+    settings = TrainingConfig(steps=order.steps, learning_rate=1e-3, seed=order.seed)
+    with training(f"latents of {order.env_id}", order.steps) as seen:
+        return train_latent(
+            states, config, settings, order.out, about=about, device=order.device, seen=seen
+        )
 
 
 def fit_diffusion(
     described: Described,
+    order: TrainingOrder,
     latent: Path,
-    out: Path,
     *,
-    steps: int,
-    seed: int,
-    device: str,
     places: int = DiffusionConfig.places,
     width: int = DiffusionConfig.width,
 ) -> Trained:
@@ -51,11 +48,8 @@ def fit_diffusion(
 
     Args:
         described: the states.
+        order: how long, and where to.
         latent: folder of the autoencoder whose latents it is to meet.
-        out: of the run.
-        steps: optimiser steps in all.
-        seed: of initial weights and data.
-        device: where to train.
         places: see ``DiffusionConfig``.
         width: see ``DiffusionConfig``.
     """
@@ -70,29 +64,26 @@ def fit_diffusion(
         places=places,
         width=width,
     )
-    settings = TrainingConfig(steps=steps, learning_rate=1e-3, seed=seed)
+    settings = TrainingConfig(steps=order.steps, learning_rate=1e-3, seed=order.seed)
     about = {**about, "latent": weights_sha256(latent)}
-    with training(f"chains of {about['env']}", steps) as seen:
+    with training(f"chains of {order.env_id}", order.steps) as seen:
         return train_diffusion(
             states,
             network,
             config,
             settings,
-            out,
+            order.out,
             about=about,
-            device=device,
+            device=order.device,
             seen=seen,
         )
 
 
 def fit_chains(
     described: Described,
-    out: Path,
+    order: TrainingOrder,
     *,
     latent_steps: int,
-    steps: int,
-    seed: int,
-    device: str,
     places: int = DiffusionConfig.places,
     width: int = DiffusionConfig.width,
 ) -> Values:
@@ -100,32 +91,22 @@ def fit_chains(
 
     Args:
         described: the states.
-        out: of the run; its folders ``latent`` and ``diffusion`` hold the parts.
+        order: of the denoiser; the folders ``latent`` and ``diffusion`` of its run hold the parts.
         latent_steps: optimiser steps of the autoencoder.
-        steps: of the denoiser.
-        seed: of initial weights and data.
-        device: where to train.
         places: see ``DiffusionConfig``.
         width: see ``DiffusionConfig``.
 
     Returns:
         Names and values for the user.
     """
-    encoder = fit_latent(described, out / LATENT, steps=latent_steps, seed=seed, device=device)
+    encoder = fit_latent(described, order.part(LATENT, latent_steps))
     denoiser = fit_diffusion(
-        described,
-        out / LATENT,
-        out / DIFFUSION,
-        steps=steps,
-        seed=seed,
-        device=device,
-        places=places,
-        width=width,
+        described, order.part(DIFFUSION), order.out / LATENT, places=places, width=width
     )
     parameters = sum(x.numel() for part in (encoder, denoiser) for x in part.model.parameters())
     terms = {f"latent_{name}": value for name, value in encoder.terms.items()}
     return {
-        "out": str(out),
+        "out": str(order.out),
         "seed": described.about["seed"],
         "parameters": parameters,
         **terms,

@@ -8,34 +8,19 @@ from typing import Any
 from benchmarks.console import Values
 from benchmarks.described import describe
 from benchmarks.train_chains import fit_diffusion, fit_latent
+from benchmarks.training_order import TrainingOrder
 from icd_agent.latent.train import KIND as LATENT
 from icd_agent.training.device import check_device
 from icd_agent.training.loop import Trained
 from icd_agent.weights import shipped_chains
 
 
-def latent(
-    env_id: str,
-    data: Path,
-    out: Path,
-    *,
-    field: Path | None,
-    device: str,
-    steps: int,
-    episodes: int,
-    seed: int,
-) -> Values:
+def latent(order: TrainingOrder, *, field: Path | None) -> Values:
     """Describe recorded states, train the autoencoder on them, save.
 
     Args:
-        env_id: what the demonstrations must be of.
-        data: folder of the demonstrations.
-        out: of the run.
+        order: what to train on, and where to.
         field: folder of the field; None is the package's.
-        device: where to train.
-        steps: optimiser steps in all.
-        episodes: how many are used, at most.
-        seed: of initial weights and data.
 
     Returns:
         Names and values for the user.
@@ -43,36 +28,19 @@ def latent(
     Raises:
         IcdError: unfitting data or weights, unusable device, see also ``train_latent``.
     """
-    check_device(device)
-    described = describe(env_id, data, field, episodes)
-    trained = fit_latent(described, out, steps=steps, seed=seed, device=device)
-    return _values(out, trained, described.about)
+    check_device(order.device)
+    described = describe(order.env_id, order.data, field, order.episodes)
+    trained = fit_latent(described, order)
+    return _values(order, trained, described.about)
 
 
-def diffusion(
-    env_id: str,
-    data: Path,
-    out: Path,
-    *,
-    field: Path | None,
-    latent: Path | None,
-    device: str,
-    steps: int,
-    episodes: int,
-    seed: int,
-) -> Values:
+def diffusion(order: TrainingOrder, *, field: Path | None, latent: Path | None) -> Values:
     """Describe and encode recorded states, train the denoiser on chains of them, save.
 
     Args:
-        env_id: what the demonstrations must be of.
-        data: folder of the demonstrations.
-        out: of the run.
+        order: what to train on, and where to.
         field: folder of the field; None is the package's.
         latent: folder of the autoencoder; None is the package's.
-        device: where to train.
-        steps: optimiser steps in all.
-        episodes: how many are used, at most.
-        seed: of initial weights and data.
 
     Returns:
         Names and values for the user.
@@ -80,13 +48,13 @@ def diffusion(
     Raises:
         IcdError: unfitting data or weights, unusable device, see also ``train_diffusion``.
     """
-    check_device(device)
-    folder = shipped_chains(env_id, LATENT) if latent is None else latent
-    described = describe(env_id, data, field, episodes)
-    trained = fit_diffusion(described, folder, out, steps=steps, seed=seed, device=device)
-    return _values(out, trained, described.about)
+    check_device(order.device)
+    folder = shipped_chains(order.env_id, LATENT) if latent is None else latent
+    described = describe(order.env_id, order.data, field, order.episodes)
+    trained = fit_diffusion(described, order, folder)
+    return _values(order, trained, described.about)
 
 
-def _values(out: Path, trained: Trained, about: dict[str, Any]) -> Values:
+def _values(order: TrainingOrder, trained: Trained, about: dict[str, Any]) -> Values:
     parameters = sum(value.numel() for value in trained.model.parameters())
-    return {"out": str(out), "seed": about["seed"], "parameters": parameters, **trained.terms}
+    return {"out": str(order.out), "seed": about["seed"], "parameters": parameters, **trained.terms}

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any, Final
 
 from benchmarks.console import Values
 from benchmarks.described import read_demonstrations
+from benchmarks.training_order import TrainingOrder
 from benchmarks.training_progress import training
 from icd_agent.checkpoints import weights_sha256
 from icd_agent.field.train import load_field
@@ -27,30 +27,13 @@ TEMPERATURE: Final = 0.5
 """Demonstrated actions are noisy; with all of that noise, policies run out of time."""
 
 
-def train(
-    name: str,
-    env_id: str,
-    data: Path,
-    out: Path,
-    *,
-    device: str,
-    steps: int,
-    episodes: int,
-    solved_only: bool,
-    seed: int,
-) -> Values:
+def train(name: str, order: TrainingOrder, *, solved_only: bool) -> Values:
     """Train a policy on recorded actions, save.
 
     Args:
         name: ``diffusion-policy`` or ``dp3``.
-        env_id: what the demonstrations must be of.
-        data: folder of the demonstrations.
-        out: of the run.
-        device: where to train.
-        steps: optimiser steps in all.
-        episodes: how many are looked at, at most.
-        solved_only: imitate only those that solved their task.
-        seed: of initial weights and data.
+        order: what to train on, and where to.
+        solved_only: imitate only those of the episodes that solved their task.
 
     Returns:
         Names and values for the user.
@@ -58,33 +41,41 @@ def train(
     Raises:
         IcdError: unfitting data, unusable device, see also ``train_policy``.
     """
-    check_device(device)
-    demonstrations = read_demonstrations(env_id, data)
+    check_device(order.device)
+    demonstrations = read_demonstrations(order.env_id, order.data)
     header = demonstrations.header
     about: dict[str, Any] = {
-        "env": env_id,
+        "env": order.env_id,
         "options": dict(header.options),
         "seed": header.seed,
         "solved_only": solved_only,
     }
     field = None
     if name == DIFFUSION_POLICY:
-        folder = shipped_folder(env_id, LOCAL_FIELD)
+        folder = shipped_folder(order.env_id, LOCAL_FIELD)
         field, about["field"] = load_field(folder), weights_sha256(folder)
     config = policy_config(name, 0 if field is None else field.config.descriptor)
     windows = PolicyData(
-        demonstrations, Look(config, field), config, episodes=episodes, solved_only=solved_only
+        demonstrations,
+        Look(config, field),
+        config,
+        episodes=order.episodes,
+        solved_only=solved_only,
     )
     settings = TrainingConfig(
-        steps=steps, learning_rate=LEARNING_RATE, warmup=500, weight_decay=1e-6, seed=seed
+        steps=order.steps,
+        learning_rate=LEARNING_RATE,
+        warmup=500,
+        weight_decay=1e-6,
+        seed=order.seed,
     )
-    with training(f"{name} of {env_id}", steps) as seen:
+    with training(f"{name} of {order.env_id}", order.steps) as seen:
         trained = train_policy(
-            windows, config, settings, out, about=about, device=device, seen=seen
+            windows, config, settings, order.out, about=about, device=order.device, seen=seen
         )
     parameters = sum(value.numel() for value in trained.model.parameters())
     return {
-        "out": str(out),
+        "out": str(order.out),
         "episodes": windows.episodes,
         "parameters": parameters,
         **trained.terms,

@@ -2,40 +2,24 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Final
 
 from benchmarks.console import Values
 from benchmarks.described import describe_places
 from benchmarks.train_chains import fit_chains
+from benchmarks.training_order import TrainingOrder
 from icd_agent.training.device import check_device
 
 WIDTH: Final = 176
 """Of the denoiser; ICD's is 192. Both parts together are then below 8 MB."""
 
 
-def train(
-    env_id: str,
-    data: Path,
-    out: Path,
-    *,
-    device: str,
-    latent_steps: int,
-    steps: int,
-    episodes: int,
-    seed: int,
-) -> Values:
+def train(order: TrainingOrder, *, latent_steps: int) -> Values:
     """Train the autoencoder of object clouds, then the denoiser of chains of them.
 
     Args:
-        env_id: what the demonstrations must be of.
-        data: folder of the demonstrations.
-        out: of the run; its folders ``latent`` and ``diffusion`` hold the parts.
-        device: where to train.
+        order: of the denoiser; the folders ``latent`` and ``diffusion`` of its run hold the parts.
         latent_steps: optimiser steps of the autoencoder.
-        steps: of the denoiser.
-        episodes: how many are used, at most.
-        seed: of initial weights and data.
 
     Returns:
         Names and values for the user.
@@ -43,15 +27,6 @@ def train(
     Raises:
         IcdError: unfitting data, unusable device, see also ``train_latent``.
     """
-    check_device(device)
-    described = describe_places(env_id, data, None, episodes)
-    return fit_chains(
-        described,
-        out,
-        latent_steps=latent_steps,
-        steps=steps,
-        seed=seed,
-        device=device,
-        places=0,
-        width=WIDTH,
-    )
+    check_device(order.device)
+    described = describe_places(order.env_id, order.data, None, order.episodes)
+    return fit_chains(described, order, latent_steps=latent_steps, places=0, width=WIDTH)
