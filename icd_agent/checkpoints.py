@@ -108,6 +108,26 @@ def weights_sha256(folder: Path) -> str:
     return str(_read_config(folder / CONFIG_NAME)["sha256"])
 
 
+def check_made_with(folder: Path, part: str, used: str) -> None:
+    """Refuse weights that were trained with other ones; those that do not tell are taken.
+
+    Args:
+        folder: of the weights.
+        part: what they tell the sha256 of, e.g. ``field``.
+        used: the sha256 of what would be used for it.
+
+    Raises:
+        CheckpointError: they were trained with others, or are missing.
+    """
+    data = _read_config(folder / CONFIG_NAME)["about"].get("data", {})
+    told = data.get(part)
+    if told is not None and told != used:
+        raise CheckpointError(
+            f"{folder} was trained with the {part} {told[:12]}, not with {used[:12]}: use networks "
+            "that were trained on one another"
+        )
+
+
 def _read_config(path: Path) -> dict[str, Any]:
     try:
         record = json.loads(path.read_text(encoding="utf-8"))

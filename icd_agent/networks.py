@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final, NamedTuple
 
-from icd_agent.checkpoints import save_checkpoint
+from icd_agent.checkpoints import check_made_with, save_checkpoint, weights_sha256
 from icd_agent.diffusion.denoiser import Denoiser
 from icd_agent.diffusion.train import KIND as DIFFUSION
 from icd_agent.diffusion.train import load_diffusion
@@ -48,14 +48,19 @@ def load_networks(folder: Path) -> Networks:
     """Read what ``save_networks`` has written.
 
     Raises:
-        CheckpointError: missing or damaged weights.
+        CheckpointError: missing or damaged weights, or of networks trained on another field.
     """
-    return Networks(
+    whole = load_field(folder / WHOLE) if (folder / WHOLE).is_dir() else None
+    found = Networks(
         load_field(folder / FIELD),
         load_latent(folder / LATENT),
         load_diffusion(folder / DIFFUSION),
-        load_field(folder / WHOLE) if (folder / WHOLE).is_dir() else None,
+        whole,
     )
+    encoded = weights_sha256(folder / (FIELD if whole is None else WHOLE))
+    for part in (LATENT, DIFFUSION):
+        check_made_with(folder / part, FIELD, encoded)
+    return found
 
 
 def load_shipped(env_id: str) -> Networks:
@@ -73,12 +78,13 @@ def load_shipped(env_id: str) -> Networks:
 
 def save_networks(networks: Networks, folder: Path) -> None:
     """Write the weights; files of the same names are replaced."""
-    parts = [(FIELD, FIELD, networks.field), (LATENT, LATENT, networks.latent)]
-    parts.append((DIFFUSION, DIFFUSION, networks.diffusion))
+    save_checkpoint(folder / FIELD, FIELD, networks.field, networks.field.config, {})
     if networks.whole is not None:
-        parts.append((WHOLE, FIELD, networks.whole))
-    for part, kind, network in parts:
-        save_checkpoint(folder / part, kind, network, network.config, {})
+        save_checkpoint(folder / WHOLE, FIELD, networks.whole, networks.whole.config, {})
+    encoded = FIELD if networks.whole is None else WHOLE
+    about = {"data": {FIELD: weights_sha256(folder / encoded)}}
+    for part, network in ((LATENT, networks.latent), (DIFFUSION, networks.diffusion)):
+        save_checkpoint(folder / part, part, network, network.config, about)
 
 
 def check_fit(networks: Networks) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -88,6 +89,20 @@ def test_saved_and_read_back_it_acts_the_same_to_the_bit(
     before = actions(agent, env)
     for source in (tmp_path, str(tmp_path)):
         np.testing.assert_array_equal(actions(ICDAgent.from_pretrained(source), env), before)
+
+
+@pytest.mark.parametrize("part", ["latent", "diffusion"])
+@pytest.mark.parametrize("made", [networks, two_fields])
+def test_networks_of_another_field_are_refused(
+    tmp_path: Path, part: str, made: Callable[[], Networks]
+) -> None:
+    found = made()
+    ICDAgent(found).save_pretrained(tmp_path / "one")
+    other = found._replace(**{"field" if found.whole is None else "whole": small_field(1)})
+    ICDAgent(other).save_pretrained(tmp_path / "other")
+    shutil.copytree(tmp_path / "other" / part, tmp_path / "one" / part, dirs_exist_ok=True)
+    with pytest.raises(CheckpointError, match=f"{part} was trained with the field"):
+        ICDAgent.from_pretrained(tmp_path / "one")
 
 
 def test_chains_are_generated_in_one_field_and_followed_in_the_other(

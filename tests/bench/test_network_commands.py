@@ -194,6 +194,26 @@ def trained(data: Path, weights: Path, tmp_path_factory: pytest.TempPathFactory)
     return Trained(out / "latent", out / "diffusion", printed)
 
 
+@pytest.mark.parametrize(
+    ("command", "network"),
+    [
+        (("train", "diffusion", "--data", "d", "--out", "o"), "--latent"),
+        (("train", "bank", "--data", "d", "--out", "o"), "--latent"),
+        (("diagnose", "latent"), "--weights"),
+        (("diagnose", "diffusion"), "--latent"),
+        (("diagnose", "diffusion"), "--weights"),
+    ],
+)
+def test_networks_of_another_field_are_refused(
+    trained: Trained, command: tuple[str, ...], network: str
+) -> None:
+    of_chains = command[1] == "diffusion" and network == "--weights"
+    folder = trained.diffusion if of_chains else trained.latent
+    refused = icd_bench(*command, "--env", CABLE, network, folder)  # the package's field
+    assert refused.exit_code == 2
+    assert "was trained with the field" in refused.stderr
+
+
 def test_latents_and_chains_are_trained_on_one_another(data: Path, trained: Trained) -> None:
     assert trained.printed["latent"]["recon"] > 0
     assert trained.printed["diffusion"]["loss"] > 0
