@@ -7,7 +7,6 @@ so that stdout holds the table or JSON alone.
 from __future__ import annotations
 
 import json
-import os
 import sys
 from contextlib import redirect_stdout
 from enum import StrEnum
@@ -16,8 +15,15 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from benchmarks import baseline_commands, network_commands
-from benchmarks.console import FAILED_EPISODES, FINE, AsJson, TaskOptions, errors_in_one_line
+from benchmarks import baseline_commands, network_commands, reproduce_command
+from benchmarks.console import (
+    FAILED_EPISODES,
+    FINE,
+    AsJson,
+    TaskOptions,
+    errors_in_one_line,
+    import_from_working_directory,
+)
 
 if TYPE_CHECKING:
     from benchmarks.interrupts import Interrupt
@@ -32,6 +38,7 @@ main = typer.Typer(
 baseline_commands.offer(network_commands.GROUPS["train"])
 for name, group in network_commands.GROUPS.items():
     main.add_typer(group, name=name)
+main.command()(reproduce_command.reproduce)
 
 Workers = Annotated[
     int | None,
@@ -68,7 +75,7 @@ class Videos(StrEnum):
 @main.command(name="list")
 def list_() -> None:
     """List agents, plug-ins, environments, suites and gates."""
-    _import_from_working_directory()
+    import_from_working_directory()
     with errors_in_one_line():
         from benchmarks.listing import entries
         from benchmarks.tables import print_rows
@@ -126,7 +133,7 @@ def run(
     as_json: AsJson = False,
 ) -> None:
     """Run agents, one row per episode, and print the table."""
-    _import_from_working_directory()
+    import_from_working_directory()
     with errors_in_one_line():
         from benchmarks import progress, results, runner
         from benchmarks.attempt import Settings
@@ -188,7 +195,7 @@ def check_agent(
     as_json: AsJson = False,
 ) -> None:
     """Play a few steps with an agent and say what it does wrong."""
-    _import_from_working_directory()
+    import_from_working_directory()
     with errors_in_one_line():
         from benchmarks import agent_check, registry
         from benchmarks.attempt import Settings
@@ -352,7 +359,7 @@ def watch(
     ] = 8080,
 ) -> None:
     """Look at an agent while it acts: clouds, subgoals and plans."""
-    _import_from_working_directory()
+    import_from_working_directory()
     with errors_in_one_line(), redirect_stdout(sys.stderr):
         from benchmarks.watch.command import watch_agent
 
@@ -384,9 +391,3 @@ def _exit_if(interrupt: Interrupt) -> None:
     if interrupt.number:
         typer.echo("interrupted; the same command goes on", err=True)
         raise typer.Exit(interrupt.exit_code)
-
-
-def _import_from_working_directory() -> None:
-    """Let ``module:attr`` name a file beside the user; installed packages come first."""
-    if os.getcwd() not in sys.path and "" not in sys.path:
-        sys.path.append(os.getcwd())

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import sys
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -36,3 +38,9 @@ def errors_in_one_line() -> Iterator[None]:
         typer.echo(f"icd-bench: {' '.join(str(error).split())}", err=True)
         code = INCOMPATIBLE if isinstance(error, IncompatibleResultsError) else USAGE
         raise typer.Exit(code) from None
+
+
+def import_from_working_directory() -> None:
+    """Let ``module:attr`` name a file beside the user; installed packages come first."""
+    if os.getcwd() not in sys.path and "" not in sys.path:
+        sys.path.append(os.getcwd())

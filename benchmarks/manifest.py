@@ -169,7 +169,7 @@ def continued(old: Manifest, new: Manifest, *, allow_mixed: bool = False) -> Man
             f"cannot resume: plan: {_described(old.plan)} there is not contained in "
             f"{_described(new.plan)} now: {fix}"
         )
-    differences = tuple(_differences(old, new))
+    differences = tuple(what_differs(old, new))
     if differences and not allow_mixed:
         raise IncompatibleResultsError(
             f"cannot resume: {'; '.join(differences)}: choose another --out, or --allow-mixed "
@@ -184,7 +184,7 @@ def continued(old: Manifest, new: Manifest, *, allow_mixed: bool = False) -> Man
     )
 
 
-def _differences(old: Manifest, new: Manifest) -> Iterator[str]:
+def what_differs(old: Manifest, new: Manifest) -> Iterator[str]:
     """What both know and do not agree on; agents that are new have no other past."""
     pairs = [
         ("code", old.code, new.code),

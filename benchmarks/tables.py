@@ -13,6 +13,8 @@ from benchmarks.conditions import task_title
 from benchmarks.console import Values
 from benchmarks.gates import Gate, Verdict
 from benchmarks.report.summaries import Summary
+from benchmarks.reproduce import Pair, verdict_on
+from benchmarks.rows import Row
 from benchmarks.statistics import Interval
 
 _WIDTH_WITHOUT_TERMINAL = 140
@@ -72,6 +74,31 @@ def print_verdicts(gates: Sequence[Gate], verdicts: Mapping[str, Verdict]) -> No
         for gate in gates
     ]
     print_rows(("gate", "value", "bound", "n", "verdict"), rows)
+
+
+def print_pairs(pairs: Sequence[Pair], changed: Sequence[str]) -> None:
+    """Print how episodes ended when they were recorded and now, and what has changed since."""
+    rows = [
+        (
+            task_title(recorded.env, recorded.condition),
+            recorded.agent,
+            str(recorded.index),
+            _ending(recorded),
+            _ending(now),
+            verdict_on(recorded, now),
+        )
+        for recorded, now in pairs
+    ]
+    print_rows(("env", "agent", "case", "recorded", "now", "verdict"), rows)
+    console = _console()
+    for change in changed:
+        console.print(Text(f"note: changed since: {change}"), soft_wrap=True)
+
+
+def _ending(row: Row) -> str:
+    if row.status == "error":
+        return "error"
+    return f"{'success' if row.success else 'failure'}, {row.steps} steps"
 
 
 def print_mapping(values: Mapping[str, float | str]) -> None:

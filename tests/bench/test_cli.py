@@ -37,7 +37,7 @@ def test_importing_the_command_line_imports_nothing_heavy() -> None:
 def test_help_names_every_command() -> None:
     help_ = icd_bench("--help")
     assert help_.exit_code == 0
-    for command in ("list", "run", "report", "gates", "export-scene", "perf"):
+    for command in ("list", "run", "report", "reproduce", "gates", "export-scene", "perf"):
         assert command in help_.stdout
 
 

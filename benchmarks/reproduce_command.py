@@ -1,0 +1,70 @@
+"""``icd-bench reproduce``."""
+
+from __future__ import annotations
+
+import json
+import sys
+from contextlib import redirect_stdout
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from benchmarks.console import (
+    FAILED_EPISODES,
+    FINE,
+    AsJson,
+    errors_in_one_line,
+    import_from_working_directory,
+)
+
+
+def reproduce(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Results, e.g. published ones.")],
+    episodes: Annotated[
+        int, typer.Option(min=1, help="Test cases per agent and task, from the first on.")
+    ] = 3,
+    workers: Annotated[int, typer.Option(min=0, help="Processes at a time.")] = 1,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder of the new results.", show_default="runs/<UTC time>")
+    ] = None,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on with the results in --out.")
+    ] = False,
+    as_json: AsJson = False,
+) -> None:
+    """Run recorded episodes again and say whether they end as they did."""
+    import_from_working_directory()
+    with errors_in_one_line():
+        from benchmarks import progress, results, runner
+        from benchmarks.attempt import Settings
+        from benchmarks.executors import make_executor
+        from benchmarks.interrupts import interruptible
+        from benchmarks.reproduce import record, recorded
+        from benchmarks.run_command import look_first
+        from benchmarks.tables import print_pairs
+
+        before = recorded(folder, episodes)
+        crew = make_executor("local", workers=workers, threads=None, address=None)
+        settings = Settings(crew.threads)
+        with interruptible() as interrupt, redirect_stdout(sys.stderr):
+            told = look_first(before.plan, crew, settings, None)
+            found = runner.run(
+                before.plan,
+                out or results.new_folder(Path("runs")),
+                runner.episodes(settings),
+                crew,
+                settings=told,
+                resume=resume,
+                watch=progress.watching("episodes"),
+            )
+        if interrupt.number:
+            typer.echo("interrupted", err=True)
+            raise typer.Exit(interrupt.exit_code)
+        pairs = before.pairs(found)
+    if as_json:
+        typer.echo(json.dumps(record(pairs, before.changed)))
+    else:
+        print_pairs(pairs, before.changed)
+    alike = all(now.status == "ok" and was.success == now.success for was, now in pairs)
+    raise typer.Exit(FINE if alike else FAILED_EPISODES)
