@@ -13,7 +13,6 @@ from icd_agent.tracking import SubgoalTracker, TrackerConfig
 from icd_agent.weights import (
     GLOBAL_FIELD,
     LOCAL_FIELD,
-    chains_in,
     shipped_chains,
     shipped_folder,
     weights_name,
@@ -128,11 +127,12 @@ def make_retrieved_chain(env_id: str) -> SubgoalTracker:
 def _track_as_icd(source: SubgoalSource, env_id: str) -> SubgoalTracker:
     """Follow decoded subgoals: with ICD's tracker, in the field that they were encoded in."""
     from icd_agent.field.space import FieldSpace
+    from icd_agent.field.train import KIND, load_field
     from icd_agent.presets import PRESETS, best_preset
 
     settings = PRESETS[best_preset(env_id)]
     config = replace(settings.tracker, replan_every=None)
-    space = FieldSpace.shipped(env_id, f"{chains_in(env_id)}/field")
+    space = FieldSpace(load_field(shipped_chains(env_id, KIND)))
     return SubgoalTracker(source, space, preset(settings.mppi), config)
 
 

@@ -49,9 +49,11 @@ def reproduce(
         settings = Settings(crew.threads)
         with interruptible() as interrupt, redirect_stdout(sys.stderr):
             told = look_first(before.plan, crew, settings, None)
+            results_folder = out or results.new_folder(Path("runs"))
+            typer.echo(f"results: {results_folder}", err=True)
             found = runner.run(
                 before.plan,
-                out or results.new_folder(Path("runs")),
+                results_folder,
                 runner.episodes(settings),
                 crew,
                 settings=told,
@@ -59,7 +61,7 @@ def reproduce(
                 watch=progress.watching("episodes"),
             )
         if interrupt.number:
-            typer.echo("interrupted", err=True)
+            typer.echo(f"interrupted; go on with --out '{results_folder}' --resume", err=True)
             raise typer.Exit(interrupt.exit_code)
         pairs = before.pairs(found)
     if as_json:
