@@ -31,12 +31,13 @@ NOTE: Final = (
 def to_markdown(collected: Collected) -> str:
     """Success at a glance if there are several tasks, then a table and comparisons for each."""
     parts = [f"> **Read with care:** {_plain(warning)}\n" for warning in collected.warnings()]
+    found = summaries(collected)
     if len(collected.tasks) > 1:
         parts.append("### Success at a glance\n")
-        parts.append("\n".join(map(_markdown_line, _glance(collected))) + "\n")
+        parts.append("\n".join(map(_markdown_line, _glance(collected, found))) + "\n")
     for task in collected.tasks:
         rows = collected.rows_of(task)
-        lines = [_cells(summarise(agent, *task.key, found)) for agent, found in rows.items()]
+        lines = [_cells(one) for one in found if (one.env, one.condition) == task.key]
         parts.append(f"### {_plain(task_title(*task.key))}\n")
         parts.append("\n".join(_markdown_line(line) for line in (_HEADINGS, _RULE, *lines)) + "\n")
         verdicts = [
@@ -66,15 +67,15 @@ def to_latex(collected: Collected) -> str:
     return "% needs \\usepackage{booktabs}\n" + "".join(comments) + "\n".join(tables)
 
 
-def _glance(collected: Collected) -> list[tuple[str, ...]]:
+def _glance(collected: Collected, found: Sequence[Summary]) -> list[tuple[str, ...]]:
     """Heading, rule and a line for each agent; empty where it was not run."""
     titles = [task_title(*task.key) for task in collected.tasks]
-    found: dict[str, dict[str, Summary]] = {}
-    for summary in summaries(collected):
+    agents: dict[str, dict[str, Summary]] = {}
+    for summary in found:
         title = task_title(summary.env, summary.condition)
-        found.setdefault(summary.agent, {})[title] = summary
+        agents.setdefault(summary.agent, {})[title] = summary
     lines = [("agent", *titles), ("---", *("---:",) * len(titles))]
-    for agent, by_title in found.items():
+    for agent, by_title in agents.items():
         cells = [_success(by_title[title]) if title in by_title else "" for title in titles]
         lines.append((agent, *cells))
     return lines
