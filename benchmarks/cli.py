@@ -21,8 +21,10 @@ from benchmarks.console import (
     FINE,
     AsJson,
     TaskOptions,
+    TrustPickle,
     errors_in_one_line,
     import_from_working_directory,
+    settle_maths_threads,
 )
 
 if TYPE_CHECKING:
@@ -59,9 +61,6 @@ Threads = Annotated[
 ]
 ActSeconds = Annotated[float, typer.Option(help="Time that one act may take.")]
 Device = Annotated[str, typer.Option(help="Given to agents that ask for one.")]
-TrustPickle = Annotated[
-    bool, typer.Option("--trust-pickle", help="Load sb3: files, which may run any code.")
-]
 
 
 class Videos(StrEnum):
@@ -127,12 +126,16 @@ def run(
         bool,
         typer.Option("--allow-mixed", help="Resume with other budgets, code or versions; flagged."),
     ] = False,
+    retry_errors: Annotated[
+        bool, typer.Option("--retry-errors", help="Resume, and run errors again; flagged.")
+    ] = False,
     videos: Annotated[
         Videos | None, typer.Option(help="Episodes to film.", show_default="none")
     ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Run agents, one row per episode, and print the table."""
+    settle_maths_threads(workers)
     import_from_working_directory()
     with errors_in_one_line():
         from benchmarks import progress, results, runner
@@ -153,8 +156,8 @@ def run(
             episodes=episodes,
             seed=seed,
         )
-        if resume and out is None:
-            raise InvalidOptionError("--resume needs --out: name the folder to go on with")
+        if (resume or retry_errors) and out is None:
+            raise InvalidOptionError("to resume needs --out: name the folder to go on with")
         crew = make_executor(executor, workers=workers, threads=threads, address=address)
         settings = Settings(crew.threads, act_seconds, episode_seconds, device, trust_pickle)
         filmed: Choice | None = videos.value if videos else None
@@ -171,8 +174,9 @@ def run(
                 crew,
                 settings=record,
                 videos=filmed,
-                resume=resume,
+                resume=resume or retry_errors,
                 allow_mixed=allow_mixed,
+                retry_errors=retry_errors,
                 watch=progress.watching("episodes"),
             )
         if interrupt.number:
@@ -345,9 +349,10 @@ def export_scene(
 
 @main.command()
 def watch(
-    agent: Annotated[str, typer.Option(help="Name or module:attr.")],
+    agent: Annotated[str, typer.Option(help="Agent, as icd-bench run takes it.")],
     env: Annotated[str, typer.Option(help="Environment id.")],
     options: TaskOptions = None,
+    trust_pickle: TrustPickle = False,
     seed: Annotated[int, typer.Option(min=0, help="Base seed of all episodes, as of run.")] = 0,
     episode: Annotated[int, typer.Option(min=0, help="Index of the first episode.")] = 0,
     viewer: Annotated[
@@ -365,7 +370,7 @@ def watch(
 
         errors = watch_agent(
             agent, env, options=options or (), seed=seed, episode=episode, viewer=viewer, host=host,
-            port=port, say=lambda text: typer.echo(text, err=True),
+            port=port, trust_pickle=trust_pickle, say=lambda text: typer.echo(text, err=True),
         )  # fmt: skip
     raise typer.Exit(FAILED_EPISODES if errors else FINE)
 

@@ -17,6 +17,9 @@ Values = dict[str, int | float | str | None]
 """What a command found out, by name."""
 
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON, and only JSON, on stdout.")]
+TrustPickle = Annotated[
+    bool, typer.Option("--trust-pickle", help="Load sb3: files, which may run any code.")
+]
 TaskOptions = Annotated[
     list[str] | None,
     typer.Option(
@@ -38,6 +41,17 @@ def errors_in_one_line() -> Iterator[None]:
         typer.echo(f"icd-bench: {' '.join(str(error).split())}", err=True)
         code = INCOMPATIBLE if isinstance(error, IncompatibleResultsError) else USAGE
         raise typer.Exit(code) from None
+
+
+def settle_maths_threads(workers: int | None) -> None:
+    """Let linear algebra in this process have the threads it has in a worker, if all is done here.
+
+    Call it before anything loads NumPy, which looks only then.
+    """
+    from benchmarks.worker import MATH_THREADS, maths_threads
+
+    if workers == 0:
+        os.environ.setdefault(MATH_THREADS, maths_threads())
 
 
 def import_from_working_directory() -> None:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from icd_envs.errors import IcdError
@@ -22,6 +24,25 @@ class ResultsWarning(UserWarning):
 
 class WorkerStartError(IcdError, RuntimeError):
     """Worker processes that end before they can do anything."""
+
+
+class AgentFailedError(IcdError, RuntimeError):
+    """An agent that raised where there is no row to say so."""
+
+
+@contextmanager
+def blaming(agent: str) -> Iterator[None]:
+    """Say in one line what an agent raises.
+
+    Raises:
+        AgentFailedError: it raised, or left the program.
+    """
+    try:
+        yield
+    except IcdError:
+        raise
+    except (Exception, SystemExit) as error:
+        raise AgentFailedError(f"agent {agent!r}: {reason(error)}") from error
 
 
 def reason(error: BaseException) -> str:

@@ -73,12 +73,18 @@ class Executor(Protocol):
 
 @dataclass(frozen=True)
 class InProcess:
-    """One job after another in this process, for debuggers: nothing is limited or survived."""
+    """One job after another in this process, for debuggers: nothing is limited or survived.
+
+    Attributes:
+        threads_each: threads that one job may use; None is all cores.
+    """
+
+    threads_each: int | None = None
 
     @property
     def threads(self) -> int:
-        """All cores."""
-        return cpu_count()
+        """All cores, unless it was given."""
+        return self.threads_each or cpu_count()
 
     def execute(self, work: Work[J, R], jobs: Sequence[J]) -> Generator[R, None, None]:
         """Yield the result of every job, in their order."""
@@ -225,4 +231,4 @@ def make_executor(
         return Ray(address, workers, threads or 1)
     if address is not None:
         raise InvalidOptionError(f"address={address!r} needs a cluster: --executor ray")
-    return InProcess() if workers == 0 else Local(workers or 1, threads)
+    return InProcess(threads) if workers == 0 else Local(workers or 1, threads)

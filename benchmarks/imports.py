@@ -27,7 +27,7 @@ def load(target: str) -> object:
     found: object = load_module(source)
     for part in attribute.split("."):
         if not hasattr(found, part):
-            known = [key for key in vars(found) if not key.startswith("_")]
+            known = [key for key in dir(found) if not key.startswith("_")]
             raise InvalidOptionError(f"{source}: {unknown_name('attribute', part, known)}")
         found = getattr(found, part)
     return found
@@ -39,7 +39,10 @@ def is_there(target: str) -> bool:
     if source.endswith(".py"):
         return Path(source).is_file()
     top = source.partition(".")[0]
-    return bool(top) and importlib.util.find_spec(top) is not None
+    try:
+        return bool(top) and importlib.util.find_spec(top) is not None
+    except ValueError:  # __main__, whose own file it is
+        return False
 
 
 def load_module(source: str) -> ModuleType:

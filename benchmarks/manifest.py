@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from types import NoneType
+from typing import Any, Final
 
 from benchmarks import provenance
 from benchmarks.conditions import TaskSpec, task_from_record
@@ -37,7 +38,7 @@ class Manifest:
         packages: installed versions.
         code: fingerprint of the sources and weights of envs, agents and baselines.
         commit: git commit of the checkout, if it is one.
-        dirty: whether the checkout had uncommitted changes.
+        dirty: whether our packages in it had uncommitted changes, in any of the runs.
         python: its version.
         platform: operating system and architecture.
         cpu_count: cores this process may use.
@@ -47,7 +48,8 @@ class Manifest:
         wall_seconds: [s] that its runs took together; None if it was not recorded.
         settings: what else decides how episodes end: budgets of time, device, and the files that
             agents from elsewhere come from.
-        mixed: in what the runs that wrote the rows differ, empty unless that was allowed.
+        mixed: in what the runs that wrote the rows differ: what had to be allowed, Python and
+            processor, and errors that were run again.
     """
 
     schema: int
@@ -139,13 +141,53 @@ def read_manifest(folder: Path) -> Manifest:
             )
         listed = {name: tuple(record[name]) for name in ("agents", "mixed")}
         tasks = tuple(map(task_from_record, record["tasks"]))
-        return Manifest(**{**record, **listed, "tasks": tasks})
+        manifest = Manifest(**{**record, **listed, "tasks": tasks})
+        _check(manifest)
+        return manifest
     except FileNotFoundError as error:
         raise ResultsError(f"no results in {folder}: {FILE_NAME} is missing there") from error
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         if isinstance(error, ResultsError):
             raise
         raise ResultsError(f"{path} is not a manifest: {type(error).__name__}: {error}") from error
+
+
+_KINDS: Final[dict[str, tuple[type, ...]]] = {
+    **dict.fromkeys(("schema", "episodes", "repeats", "seed", "cpu_count"), (int,)),
+    **dict.fromkeys(("suite", "config", "code", "python", "platform"), (str,)),
+    **dict.fromkeys(("cpu_model", "created", "updated"), (str,)),
+    "commit": (str, NoneType),
+    "dirty": (bool, NoneType),
+    "wall_seconds": (int, float, NoneType),
+}
+_TEXTS: Final = ("agents", "mixed")
+_RECORDS: Final[dict[str, tuple[type, ...]]] = {
+    "weights": (str,),
+    "packages": (str,),
+    "settings": (str, int, float),
+}
+
+
+def _check(manifest: Manifest) -> None:
+    """Refuse values of a wrong type.
+
+    Raises:
+        TypeError: names the field.
+    """
+    kinds = {**_KINDS, **dict.fromkeys(_TEXTS, (tuple,)), **dict.fromkeys(_RECORDS, (dict,))}
+    for name, allowed in kinds.items():
+        value = getattr(manifest, name)
+        if type(value) not in allowed:
+            raise TypeError(f"{name} must be {_or(allowed)}, got {value!r}")
+    for name, allowed in {**dict.fromkeys(_TEXTS, (str,)), **_RECORDS}.items():
+        value = getattr(manifest, name)
+        items = value.values() if isinstance(value, dict) else value
+        if any(type(item) not in allowed for item in items):
+            raise TypeError(f"{name} must hold {_or(allowed)} only, got {value!r}")
+
+
+def _or(kinds: tuple[type, ...]) -> str:
+    return " or ".join(kind.__name__ for kind in kinds)
 
 
 def continued(old: Manifest, new: Manifest, *, allow_mixed: bool = False) -> Manifest:
@@ -175,12 +217,17 @@ def continued(old: Manifest, new: Manifest, *, allow_mixed: bool = False) -> Man
             f"cannot resume: {'; '.join(differences)}: choose another --out, or --allow-mixed "
             "where there is one, which every report will flag"
         )
+    machines = [
+        ("python", old.python, new.python),
+        ("processor", old.cpu_model, new.cpu_model),
+    ]
     return replace(
         new,
         created=old.created,
+        dirty=old.dirty or new.dirty,
         wall_seconds=old.wall_seconds,
         settings={**old.settings, **new.settings},
-        mixed=(*old.mixed, *differences),
+        mixed=tuple(dict.fromkeys((*old.mixed, *differences, *_differing(machines)))),
     )
 
 
@@ -188,9 +235,13 @@ def what_differs(old: Manifest, new: Manifest) -> Iterator[str]:
     """What both know and do not agree on; agents that are new have no other past."""
     pairs = [
         ("code", old.code, new.code),
-        *((name, old.packages.get(name), now) for name, now in new.packages.items()),
+        *((name, old.packages.get(name, now), now) for name, now in new.packages.items()),
         *((name, old.settings.get(name, now), now) for name, now in new.settings.items()),
     ]
+    return _differing(pairs)
+
+
+def _differing(pairs: Iterable[tuple[str, object, object]]) -> Iterator[str]:
     for name, before, now in pairs:
         if before != now:
             yield f"{name}: {before!r} there, {now!r} now"

@@ -8,7 +8,14 @@ from typing import Annotated, Final, Literal
 
 import typer
 
-from benchmarks.console import AsJson, TaskOptions, Values, errors_in_one_line
+from benchmarks.console import (
+    AsJson,
+    TaskOptions,
+    TrustPickle,
+    Values,
+    errors_in_one_line,
+    import_from_working_directory,
+)
 from benchmarks.training_order import TrainingOrder
 
 GROUPS: Final = {
@@ -262,12 +269,14 @@ def render_episode(
     out: Annotated[Path, typer.Option(help="PNG file for a strip of pictures, GIF for a film.")],
     options: TaskOptions = None,
     seed: Seed = 0,
+    trust_pickle: TrustPickle = False,
 ) -> None:
     """Draw one test episode."""
+    import_from_working_directory()
     with errors_in_one_line():
         from benchmarks.render_episode import render
 
-        render(agent, env, out, seed=seed, options=options or ())
+        render(agent, env, out, seed=seed, options=options or (), trust_pickle=trust_pickle)
 
 
 def say(values: Values, as_json: bool) -> None:

@@ -143,7 +143,7 @@ def plan_suite(
     if conditions:
         tasks = tuple(task for task in tasks if task.condition.name in conditions)
     cases = suite.episodes if episodes is None else episodes
-    whole = tasks == suite.tasks and cases == suite.episodes
-    title = suite.title if whole else ""
     base = suite.seed if seed is None else seed
+    whole = (tasks, cases, base) == (suite.tasks, suite.episodes, suite.seed)
+    title = suite.title if whole else ""
     return Plan(tuple(dict.fromkeys(agents)), tasks, cases, base, suite.repeats, title)

@@ -7,6 +7,7 @@ import os
 import platform
 import subprocess
 import sys
+import sysconfig
 from collections.abc import Iterable, Sequence
 from importlib import metadata
 from pathlib import Path
@@ -20,9 +21,13 @@ _PACKAGES = (
     "dm-control",
     "gymnasium",
     "scipy",
+    "torch",
+    "diffusers",
+    "safetensors",
 )
 # What decides how an episode ends; reports and tables may change without invalidating rows.
 _FINGERPRINTED = ("icd_envs", "icd_agent", "baselines")
+_OURS = (*_FINGERPRINTED, "benchmarks")
 _MISSING = "not installed"
 _SUFFIXES = (".py", ".json", ".safetensors", ".xml")
 WEIGHT_FILES = ("config.json", "model.safetensors")
@@ -83,6 +88,8 @@ def source_of_folder(folder: Path, names: Sequence[str]) -> str:
 def source_of_module(module: ModuleType, distribution: str = "") -> str:
     """Distribution, package or file, and a hash of its sources.
 
+    Those of a file are also the modules beside and below it that are imported by now.
+
     Args:
         module: imported.
         distribution: its name and version; else the installed one of the same name is looked for.
@@ -93,12 +100,26 @@ def source_of_module(module: ModuleType, distribution: str = "") -> str:
         root = Path(package.__file__).parent
         source = f"{top} {_fingerprint(root.rglob('*.py'), root)}"
     elif module.__file__:
-        source = source_of_file(Path(module.__file__))
+        source = _source_of_script(Path(module.__file__).resolve())
     else:
         source = module.__name__
     if not distribution and (version := _version(top)) != _MISSING:
         distribution = f"{top} {version}"
     return ", ".join(filter(None, (distribution, source)))
+
+
+def _source_of_script(path: Path) -> str:
+    installed = [Path(sysconfig.get_path(kind)) for kind in ("stdlib", "purelib", "platlib")]
+    elsewhere = [*installed, *(_ROOT / name for name in _OURS)]
+    named = (getattr(module, "__file__", None) for module in list(sys.modules.values()))
+    imported = {Path(name).resolve() for name in named if name and os.path.isabs(name)}
+    beside = {
+        file
+        for file in imported
+        if file.suffix == ".py" and file.is_file() and file.is_relative_to(path.parent)
+        and not any(file.is_relative_to(folder) for folder in elsewhere)
+    }  # fmt: skip
+    return f"{path.name} {_fingerprint({path, *beside}, path.parent)}"
 
 
 def _fingerprint(files: Iterable[Path], root: Path) -> str:
@@ -124,12 +145,15 @@ def weight_hashes() -> dict[str, str]:
 
 
 def git_state() -> tuple[str | None, bool | None]:
-    """Commit and dirty flag, if these sources are a checkout and not merely installed in one."""
+    """Commit, and whether our packages were changed, if these sources are a checkout.
+
+    What else lies in the checkout does not matter: the files of an agent have hashes of their own.
+    """
     if not (_ROOT / ".git").exists():
         return None, None
     try:
         commit = _git("rev-parse", "HEAD")
-        return commit, bool(_git("status", "--porcelain"))
+        return commit, bool(_git("status", "--porcelain", "--", *_OURS))
     except (OSError, subprocess.SubprocessError):
         return None, None
 

@@ -204,14 +204,20 @@ def _checked(factory: object) -> AgentFactory:
 def _check_call(function: Callable[..., object], call: str, arguments: int) -> None:
     try:
         inspect.signature(function).bind(*range(arguments))
-    except TypeError as error:
+    except (TypeError, ValueError) as error:
         raise InvalidOptionError(f"it cannot be called as {call}: {error}") from error
 
 
 def _asked(factory: AgentFactory) -> list[str]:
     """Parameters that can be given to a factory."""
     asked = []
-    for name, parameter in inspect.signature(factory).parameters.items():
+    try:
+        parameters = inspect.signature(factory).parameters
+    except (TypeError, ValueError) as error:
+        raise InvalidOptionError(
+            f"what its factory takes cannot be read ({error}): name a function or class"
+        ) from error
+    for name, parameter in parameters.items():
         if name in ("env_id", "device"):
             asked.append(name)
         elif parameter.default is parameter.empty and parameter.kind in _NAMED:
@@ -256,7 +262,11 @@ def check_env_id(env_id: str) -> None:
         if module:
             importlib.import_module(module)
         gymnasium.spec(name)
-    except (gymnasium.error.Error, ImportError) as error:
+    except (Exception, SystemExit) as error:
         from icd_envs.registration import ENV_IDS
 
-        raise InvalidOptionError(f"{unknown_name('env', env_id, ENV_IDS)} ({error})") from error
+        why = f"{type(error).__name__}: {' '.join(str(error).split())}"
+        hint = "an environment of yours is module:ID, where importing the module registers it"
+        raise InvalidOptionError(
+            f"{unknown_name('env', env_id, ENV_IDS)}; {hint} ({why})"
+        ) from error

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.conditions import Condition, TaskSpec, make_env, parse_options
+from benchmarks.errors import blaming
 from benchmarks.figures import new_figure, save_figure
 from benchmarks.registry import Offer, make_agent
 from icd_envs import ENV_IDS
@@ -39,7 +40,13 @@ class Played(NamedTuple):
 
 
 def render(
-    agent_name: str, env_id: str, out: Path, *, seed: int, options: Sequence[str] = ()
+    agent_name: str,
+    env_id: str,
+    out: Path,
+    *,
+    seed: int,
+    options: Sequence[str] = (),
+    trust_pickle: bool = False,
 ) -> None:
     """Run one test episode and draw it.
 
@@ -50,10 +57,12 @@ def render(
             file, for a film.
         seed: of scene and agent.
         options: of the task, each as ``name=value``.
+        trust_pickle: whether the agent may be unpickled.
 
     Raises:
         InvalidOptionError: unknown agent, environment or option, a file that is neither, or no
             Matplotlib or Pillow.
+        AgentFailedError: the agent raised.
     """
     if env_id not in ENV_IDS:
         raise InvalidOptionError(unknown_name("environment id", env_id, ENV_IDS))
@@ -66,12 +75,14 @@ def render(
             "films need Pillow: pip install 'implicit-contact-diffuser[figures]'"
         )
     figure = new_figure(out, (16, 6.4)) if out.suffix == ".png" else None
-    agent = make_agent(agent_name, Offer(env_id))
+    with blaming(agent_name):
+        agent = make_agent(agent_name, Offer(env_id, trust_pickle=trust_pickle))
     told = (*parse_options(options), ("render_mode", "rgb_array"))
     env: Any = make_env(TaskSpec(env_id, Condition("drawn", told))).unwrapped
     assert isinstance(env, ContactEnv)
     try:
-        played = _play(env, agent, seed)
+        with blaming(agent_name):
+            played = _play(env, agent, seed)
         if figure is None:
             _film(env, played, out)
         else:

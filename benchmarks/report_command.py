@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Literal
@@ -53,6 +54,8 @@ def report(
         _write(csv, to_csv(collected.rows))
     if form == "json":
         print(json.dumps([summary.record() for summary in found]))
+        for warning in collected.warnings():
+            print(f"icd-bench: warning: {warning}", file=sys.stderr)
     elif form == "table":
         from benchmarks.tables import print_summaries
 
@@ -70,7 +73,7 @@ def _print_text(collected: Collected, form: Form) -> None:
 
 def _write(path: Path, text: str) -> None:
     try:
-        write_atomically(path, text.encode())
+        write_atomically(path, text.encode(errors="backslashreplace"))
     except OSError as error:
         raise ResultsError(
             f"cannot write {path}: {error}: name a file in a folder that exists"

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from benchmarks.attempt import Settings
 from benchmarks.errors import ResultsError
 from benchmarks.manifest import Manifest, describe, read_manifest, what_differs
 from benchmarks.plan import Plan
@@ -22,7 +23,12 @@ def verdict_on(recorded: Row, now: Row) -> str:
         return f"ERROR: {now.message}"
     if recorded.outcome == now.outcome:
         return "the same to the bit"
-    return "ends alike" if recorded.success == now.success else "ENDS DIFFERENTLY"
+    return "ends alike" if ends_alike(recorded, now) else "ENDS DIFFERENTLY"
+
+
+def ends_alike(recorded: Row, now: Row) -> bool:
+    """Whether both ended, and both in success or both in failure."""
+    return recorded.status == now.status == "ok" and recorded.success == now.success
 
 
 class Recorded(NamedTuple):
@@ -30,13 +36,48 @@ class Recorded(NamedTuple):
 
     Attributes:
         plan: of its first test cases.
-        rows: of all of them.
-        changed: what is not as it was: code, versions, processor.
+        manifest: of what it is the beginning of.
+        rows: of all of it.
     """
 
     plan: Plan
+    manifest: Manifest
     rows: list[Row]
-    changed: list[str]
+
+    def settings(self, threads: int, device: str | None, *, trust_pickle: bool) -> Settings:
+        """What agents were given, as far as it was recorded.
+
+        Args:
+            threads: for simulators; results do not depend on it.
+            device: instead of the recorded one.
+            trust_pickle: whether agents may be unpickled.
+
+        Raises:
+            ResultsError: the manifest's settings cannot be used.
+        """
+        told, usual = self.manifest.settings, Settings()
+        try:
+            return Settings(
+                threads,
+                float(told.get("act_seconds", usual.act_seconds)),
+                float(told.get("episode_seconds", usual.episode_seconds)),
+                device or str(told.get("device", usual.device)),
+                trust_pickle,
+            )
+        except ValueError as error:
+            raise ResultsError(f"the manifest's settings cannot be used: {error}") from error
+
+    def changed(self, told: Mapping[str, str | float]) -> list[str]:
+        """What is not as it was: code, versions, settings, files of agents, processor.
+
+        Args:
+            told: settings of now, with the origins of agents.
+        """
+        now = describe(self.plan, told)
+        found = list(what_differs(self.manifest, now))
+        if self.manifest.cpu_model != now.cpu_model:
+            found.append(f"processor: {self.manifest.cpu_model!r} there, {now.cpu_model!r} now")
+        return found
 
     def pairs(self, now: Sequence[Row]) -> list[Pair]:
         """Recorded rows beside those of now, in the plan's order."""
@@ -61,7 +102,7 @@ def recorded(folder: Path, episodes: int) -> Recorded:
         raise ResultsError(f"{folder} has no episodes to reproduce")
     cases = min(episodes, manifest.episodes)
     plan = Plan(manifest.agents, manifest.tasks, cases, manifest.seed, manifest.repeats)
-    return Recorded(plan, rows, _changed(manifest, describe(plan)))
+    return Recorded(plan, manifest, rows)
 
 
 def record(pairs: Sequence[Pair], changed: Sequence[str]) -> dict[str, Any]:
@@ -74,10 +115,3 @@ def record(pairs: Sequence[Pair], changed: Sequence[str]) -> dict[str, Any]:
         "errors": sum(now.status == "error" for _, now in pairs),
         "changed": list(changed),
     }
-
-
-def _changed(before: Manifest, now: Manifest) -> list[str]:
-    found = list(what_differs(before, now))
-    if before.cpu_model != now.cpu_model:
-        found.append(f"processor: {before.cpu_model!r} there, {now.cpu_model!r} now")
-    return found

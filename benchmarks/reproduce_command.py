@@ -14,8 +14,10 @@ from benchmarks.console import (
     FAILED_EPISODES,
     FINE,
     AsJson,
+    TrustPickle,
     errors_in_one_line,
     import_from_working_directory,
+    settle_maths_threads,
 )
 
 
@@ -24,6 +26,10 @@ def reproduce(
     episodes: Annotated[
         int, typer.Option(min=1, help="Test cases per agent and task, from the first on.")
     ] = 3,
+    device: Annotated[
+        str | None, typer.Option(help="Given to agents that ask.", show_default="as it was")
+    ] = None,
+    trust_pickle: TrustPickle = False,
     workers: Annotated[int, typer.Option(min=0, help="Processes at a time.")] = 1,
     out: Annotated[
         Path | None, typer.Option(help="Folder of the new results.", show_default="runs/<UTC time>")
@@ -34,19 +40,19 @@ def reproduce(
     as_json: AsJson = False,
 ) -> None:
     """Run recorded episodes again and say whether they end as they did."""
+    settle_maths_threads(workers)
     import_from_working_directory()
     with errors_in_one_line():
         from benchmarks import progress, results, runner
-        from benchmarks.attempt import Settings
         from benchmarks.executors import make_executor
         from benchmarks.interrupts import interruptible
-        from benchmarks.reproduce import record, recorded
+        from benchmarks.reproduce import ends_alike, record, recorded
         from benchmarks.run_command import look_first
         from benchmarks.tables import print_pairs
 
         before = recorded(folder, episodes)
         crew = make_executor("local", workers=workers, threads=None, address=None)
-        settings = Settings(crew.threads)
+        settings = before.settings(crew.threads, device, trust_pickle=trust_pickle)
         with interruptible() as interrupt, redirect_stdout(sys.stderr):
             told = look_first(before.plan, crew, settings, None)
             results_folder = out or results.new_folder(Path("runs"))
@@ -63,10 +69,10 @@ def reproduce(
         if interrupt.number:
             typer.echo(f"interrupted; go on with --out '{results_folder}' --resume", err=True)
             raise typer.Exit(interrupt.exit_code)
-        pairs = before.pairs(found)
+        pairs, changed = before.pairs(found), before.changed(told)
     if as_json:
-        typer.echo(json.dumps(record(pairs, before.changed)))
+        typer.echo(json.dumps(record(pairs, changed)))
     else:
-        print_pairs(pairs, before.changed)
-    alike = all(now.status == "ok" and was.success == now.success for was, now in pairs)
+        print_pairs(pairs, changed)
+    alike = all(ends_alike(was, now) for was, now in pairs)
     raise typer.Exit(FINE if alike else FAILED_EPISODES)

@@ -58,6 +58,7 @@ def open_results(
     resume: bool,
     settings: Mapping[str, str | float] | None = None,
     allow_mixed: bool = False,
+    retry_errors: bool = False,
 ) -> Iterator[ResultsFolder]:
     """Open a folder for writing the rows of a plan, alone.
 
@@ -67,6 +68,8 @@ def open_results(
         resume: go on with results that are there; otherwise they are an error.
         settings: what else decides how episodes end.
         allow_mixed: go on even with other settings, code or versions; the manifest tells.
+        retry_errors: errors of the plan are not among the rows, and stay in the file; the manifest
+            tells how many there were.
 
     Raises:
         ResultsError: not writable, in use, or unexpected results.
@@ -75,6 +78,9 @@ def open_results(
     with locked(path):
         begun = describe(plan, settings)
         manifest, rows = _begin(path, begun, resume=resume, allow_mixed=allow_mixed)
+        if retry_errors:
+            manifest, rows = _without_errors(manifest, rows)
+            manifest.write(path)
         start = perf_counter()
         try:
             yield ResultsFolder(path, rows)
@@ -104,7 +110,8 @@ def new_folder(parent: Path) -> Path:
 def read_rows(path: Path) -> list[Row]:
     """Read all rows of a folder, in the order of writing, each job once.
 
-    A last line that was torn by a crash is left out with a ``ResultsWarning``.
+    An error gives way to what came of its job when it was run again. A last line that was torn by a
+    crash is left out with a ``ResultsWarning``.
 
     Raises:
         ResultsError: a line is no row, or two rows of one job disagree; names file and line.
@@ -133,6 +140,15 @@ def _begin(
     return manifest, rows
 
 
+def _without_errors(manifest: Manifest, rows: list[Row]) -> tuple[Manifest, list[Row]]:
+    jobs = {job.key for job in manifest.plan.jobs()}
+    kept = [row for row in rows if row.status == "ok" or row.key not in jobs]
+    if (again := len(rows) - len(kept)) > 0:
+        note = f"{again} with an error run again on {manifest.updated}"
+        manifest = replace(manifest, mixed=(*manifest.mixed, note))
+    return manifest, kept
+
+
 def _read_lines(file: Path) -> list[bytes]:
     try:
         return file.read_bytes().split(b"\n")
@@ -148,7 +164,7 @@ def _parse(file: Path, lines: list[bytes]) -> Iterator[tuple[int, Row]]:
     for number, line in enumerate(lines[:last], 1):
         try:
             record = json.loads(line)
-        except ValueError as error:
+        except (ValueError, RecursionError) as error:
             if number == last:
                 warnings.warn(
                     f"{file}, line {number}: left out, torn by a crash", ResultsWarning, 2
@@ -162,7 +178,7 @@ def _parse(file: Path, lines: list[bytes]) -> Iterator[tuple[int, Row]]:
             )
         try:
             yield number, row_from_record(record)
-        except (ValueError, TypeError) as error:
+        except (ValueError, TypeError, OverflowError) as error:
             raise ResultsError(f"{file}, line {number}: {error}") from error
 
 
@@ -170,7 +186,9 @@ def _unique(file: Path, numbered: Iterable[tuple[int, Row]]) -> list[Row]:
     seen: dict[JobKey, tuple[int, Row]] = {}
     for number, row in numbered:
         first, other = seen.setdefault(row.key, (number, row))
-        if row is not other and row.without_times() != other.without_times():
+        if other.status == "error":
+            seen[row.key] = (number, row)
+        elif row.without_times() != other.without_times():
             raise ResultsError(
                 f"{file}, lines {first} and {number}: two different rows for "
                 f"agent={row.agent!r} env={row.env!r} index={row.index}: delete the wrong one"

@@ -69,6 +69,8 @@ class Row:
             fits = type(value) is kind or (kind is float and type(value) is int)
             if not fits or (kind is float and not math.isfinite(value)):
                 raise ValueError(f"{name} must be a finite {kind.__name__}, got {value!r}")
+            if name in _COUNTS and value < 0:
+                raise ValueError(f"{name} must be >= 0, got {value!r}")
         if self.status not in ("ok", "error"):
             raise ValueError(f"status must be 'ok' or 'error', got {self.status!r}")
         if self.privileged not in PRIVILEGES:
@@ -103,6 +105,9 @@ _KINDS: dict[str, type] = {
     **dict.fromkeys(("success", "diverged"), bool),
     **dict.fromkeys(("complete", "return_", "seconds", "act_seconds"), float),
 }
+
+
+_COUNTS = ("index", "repeat", "seed", "steps", "buffer_overflows", "seconds", "act_seconds")
 
 
 def row_from_record(record: object) -> Row:

@@ -9,6 +9,7 @@ from benchmarks.executors import Executor
 from benchmarks.filming import check_videos
 from benchmarks.plan import Plan
 from benchmarks.videos import Choice
+from icd_envs import ENV_IDS
 from icd_envs.errors import InvalidOptionError
 
 
@@ -27,14 +28,16 @@ def look_first(
         What decides how episodes end, beside the plan: for ``benchmarks.runner.run``.
 
     Raises:
-        InvalidOptionError: an environment or agent cannot be used, or videos cannot be made.
+        InvalidOptionError: an environment or agent cannot be made, or videos cannot.
     """
     if videos:
         check_videos()
     for env_id in plan.envs:
         registry.check_env_id(env_id)
-    foreign = [name for name in plan.agents if name not in registry.AGENTS]
-    examined = examine(foreign, executor, trust_pickle=settings.trust_pickle)
+    known = not set(plan.envs) - set(ENV_IDS)
+    names = [name for name in plan.agents if not (known and name in registry.AGENTS)]
+    examined = examine(names, executor, plan.tasks, settings)
     for problem in (agent.problem for agent in examined if agent.problem):
         raise InvalidOptionError(problem)
-    return settings.record() | {f"agent {agent.name}": agent.origin for agent in examined}
+    origins = {f"agent {agent.name}": agent.origin for agent in examined if agent.origin}
+    return settings.record() | origins

@@ -67,6 +67,7 @@ def run(
     videos: Choice | None = None,
     resume: bool = False,
     allow_mixed: bool = False,
+    retry_errors: bool = False,
     watch: Watch = unwatched,
 ) -> list[Row]:
     """Do every job of the plan that has no row yet.
@@ -80,6 +81,7 @@ def run(
         videos: which episodes leave a video in the folder.
         resume: go on with results that are in the folder.
         allow_mixed: even if they are of other settings, code or versions.
+        retry_errors: jobs whose row is an error have none yet.
         watch: shows progress.
 
     Returns:
@@ -90,8 +92,9 @@ def run(
     """
     jobs = plan.jobs()
     with open_results(
-        out, plan, resume=resume, settings=settings, allow_mixed=allow_mixed
-    ) as folder:
+        out, plan, resume=resume, settings=settings, allow_mixed=allow_mixed,
+        retry_errors=retry_errors,
+    ) as folder:  # fmt: skip
         finished = {row.key for row in folder.rows}
         attempts = [
             Attempt(job, film=_may_be_shown(job, videos)) for job in jobs if job.key not in finished

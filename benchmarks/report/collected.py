@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -35,11 +35,13 @@ class Collected:
         folders: as they were named.
         manifests: of each folder.
         found: every episode once, in the order of folders and rows.
+        outdone: errors in one folder that another folder has a result for.
     """
 
     folders: tuple[Path, ...]
     manifests: tuple[Manifest, ...]
     found: tuple[Found, ...]
+    outdone: int = 0
 
     @property
     def rows(self) -> list[Row]:
@@ -77,21 +79,23 @@ class Collected:
     def _warnings(self) -> Iterator[str]:
         for folder, manifest in zip(self.folders, self.manifests, strict=True):
             if manifest.mixed:
-                yield f"{folder}: resumed with --allow-mixed; {'; '.join(manifest.mixed)}"
+                yield f"{folder}: its runs differ: {'; '.join(manifest.mixed)}"
             if manifest.dirty:
                 yield f"{folder}: the code had changes that were not committed"
-        versions: dict[str, list[object]] = {
-            "code": [manifest.code for manifest in self.manifests],
-            "package versions": [sorted(manifest.packages.items()) for manifest in self.manifests],
-            "settings": [sorted(manifest.settings.items()) for manifest in self.manifests],
-            "weights": [sorted(manifest.weights.items()) for manifest in self.manifests],
-        }
-        for what, values in versions.items():
-            if any(value != values[0] for value in values):
-                yield f"the folders were made with different {what}"
+        if len({manifest.code for manifest in self.manifests}) > 1:
+            yield "the folders were made with different code"
+        for what in ("packages", "settings", "weights"):
+            records = [getattr(manifest, what) for manifest in self.manifests]
+            if names := _disagreeing(records):
+                yield f"the folders were made with different {what}: {', '.join(names)}"
         planned = {_episode(job) for manifest in self.manifests for job in manifest.plan.jobs()}
         if missing := planned - {_episode(found.row) for found in self.found}:
             yield f"unfinished: {len(missing)} of {len(planned)} planned episodes are missing"
+        if self.outdone:
+            yield (
+                f"{counted(self.outdone, 'episode')} with an error in one folder count as they "
+                "ended in another"
+            )
         if errors := sum(found.row.status == "error" for found in self.found):
             yield f"{counted(errors, 'episode')} with an error, which no rate counts"
 
@@ -106,9 +110,21 @@ def collect(folders: Sequence[Path]) -> Collected:
     """
     manifests = tuple(read_manifest(folder) for folder in folders)
     _check_conditions(task for manifest in manifests for task in manifest.tasks)
-    return Collected(
-        tuple(folders), manifests, tuple(_merge((folder, read_rows(folder)) for folder in folders))
-    )
+    found = [Found(folder, row) for folder in folders for row in read_rows(folder)]
+    errors = {_episode(one.row) for one in found if one.row.status == "error"}
+    merged = _merge(found)
+    outdone = errors - {_episode(one.row) for one in merged if one.row.status == "error"}
+    return Collected(tuple(folders), manifests, tuple(merged), len(outdone))
+
+
+def _disagreeing(records: Iterable[Mapping[str, object]]) -> list[str]:
+    """Names under which two records that have them say different things."""
+    seen: dict[str, object] = {}
+    names = [
+        name for record in records for name, value in record.items()
+        if seen.setdefault(name, value) != value
+    ]  # fmt: skip
+    return list(dict.fromkeys(names))
 
 
 def counted(n: int, thing: str) -> str:
@@ -133,16 +149,17 @@ def _episode(of: Row | Job) -> tuple[str, str, str, int, int]:
     return (agent, env, condition, of.seed, repeat)
 
 
-def _merge(folders: Iterable[tuple[Path, list[Row]]]) -> list[Found]:
-    """All rows; an episode that several folders hold counts once."""
+def _merge(found: Iterable[Found]) -> list[Found]:
+    """All rows; an episode that several folders hold counts once, and not as an error if it can."""
     seen: dict[tuple[str, str, str, int, int], Found] = {}
-    for folder, rows in folders:
-        for row in rows:
-            other = seen.setdefault(_episode(row), Found(folder, row))
-            if row.outcome != other.row.outcome:
-                raise ResultsError(
-                    f"{other.folder} and {folder} disagree about agent={row.agent!r} "
-                    f"env={row.env!r} condition={row.condition!r} seed={row.seed}: report them "
-                    "one by one"
-                )
+    for one in found:
+        row, other = one.row, seen.setdefault(_episode(one.row), one)
+        if row.status == other.row.status and row.outcome != other.row.outcome:
+            raise ResultsError(
+                f"{other.folder} and {one.folder} disagree about agent={row.agent!r} "
+                f"env={row.env!r} condition={row.condition!r} seed={row.seed}: report them "
+                "one by one"
+            )
+        if other.row.status == "error":
+            seen[_episode(row)] = one
     return list(seen.values())

@@ -29,6 +29,7 @@ def watch_agent(
     viewer: Viewer,
     host: str,
     port: int,
+    trust_pickle: bool = False,
     say: Callable[[str], None],
 ) -> int:
     """Watch until the window is closed or the program is interrupted: that is how it ends.
@@ -42,6 +43,7 @@ def watch_agent(
         viewer: where to draw.
         host: address the browser's view listens on.
         port: of it.
+        trust_pickle: whether the agent may be unpickled.
         say: is told where to look.
 
     Returns:
@@ -51,10 +53,13 @@ def watch_agent(
         IcdError: whatever is wrong with the options, before anything is opened.
     """
     check_env_id(env_id)
-    agent_factory(agent)
+    agent_factory(agent, trust_pickle=trust_pickle)
     controls = Controls()
-    session = Session(agent, env_id, options=parse_options(options), seed=seed, threads=cpu_count())
-    with closing(session):
+    session = Session(
+        agent, env_id, options=parse_options(options), seed=seed, threads=cpu_count(),
+        trust_pickle=trust_pickle,
+    )  # fmt: skip
+    with closing(session), interruptible():
         view: View
         if viewer == "mujoco":
             view = DesktopView(controls)
@@ -62,6 +67,6 @@ def watch_agent(
             browser = BrowserView(controls, f"{agent} in {env_id}", host=host, port=port)
             say(f"watch at {browser.address} (end with Ctrl-C)")
             view = browser
-        with closing(view), interruptible():
+        with closing(view):
             watch(session, view, controls, episode)
-        return session.errors
+    return session.errors

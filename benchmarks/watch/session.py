@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.conditions import Condition, Option, TaskSpec, make_env
-from benchmarks.errors import reason
+from benchmarks.errors import blaming, reason
 from benchmarks.generators import seed_global_generators
 from benchmarks.plan import Job
 from benchmarks.registry import Offer, make_agent
@@ -77,6 +77,7 @@ class Session:
         options: tuple[tuple[str, Option], ...] = (),
         seed: int = 0,
         threads: int = 1,
+        trust_pickle: bool = False,
     ) -> None:
         """Make agent and environment.
 
@@ -86,12 +87,15 @@ class Session:
             options: arguments of ``gymnasium.make``, by name.
             seed: base seed, as of ``icd-bench run``: the same episodes.
             threads: for the agent's simulator.
+            trust_pickle: whether the agent may be unpickled.
 
         Raises:
             InvalidOptionError: unknown agent or option, or an environment of another kind.
+            AgentFailedError: making the agent raised.
         """
         self.agent_name = agent
-        self._agent: Agent = make_agent(agent, Offer(env_id))
+        with blaming(agent):
+            self._agent: Agent = make_agent(agent, Offer(env_id, trust_pickle=trust_pickle))
         made = make_env(TaskSpec(env_id, Condition("watched", options))).unwrapped
         if not isinstance(made, ContactEnv):
             made.close()

@@ -83,6 +83,15 @@ def test_errored_episodes_exit_1(tmp_path: Path) -> None:
     assert (record["errors"], record["success"], record["success_ci"]) == (3, None, None)
 
 
+def test_errors_are_run_again(tmp_path: Path) -> None:
+    assert run(tmp_path / "out", toy.Nan).exit_code == 1
+    again = run(tmp_path / "out", toy.Nan, "--retry-errors")
+    assert (again.exit_code, "3 with an error run again" in again.stdout) == (1, True)
+    told = icd_bench("report", tmp_path / "out", "--json")
+    assert "its runs differ: 3 with an error run again" in told.stderr
+    assert json.loads(told.stdout)[0]["errors"] == 3
+
+
 def test_agent_that_ends_its_process_is_an_error_even_with_one_worker(tmp_path: Path) -> None:
     ran = run(tmp_path / "out", toy.Killer, "--json", "--seed", 8)
     assert ran.exit_code == 1
@@ -107,6 +116,7 @@ def test_fresh_folder_without_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
         (["run", "--agent", "random", "--suite", "quik"], "did you mean 'quick'"),
         (["run", "--agent", toy.spec("Straight"), "--env", toy.ENV, "--resume"], "needs --out"),
         (["run", "--agent", "random", "--episodes", "0"], "--episodes"),
+        (["run", "--agent", "random", "--env", "CartPole-v1"], "making CartPole-v1: TypeError"),
         (["run"], "--agent"),
         (["report", "nowhere"], "manifest.json is missing"),
         (["gates", "--env", "CartPole-v1"], "no gates"),

@@ -5,6 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.attempt import Settings
+from benchmarks.conditions import TaskSpec
 from benchmarks.examination import examine
 from benchmarks.executors import Local
 from tests.bench import toy
@@ -32,3 +34,22 @@ def test_agents_that_do_harm_when_imported_are_told_from_the_others(
         assert problem in examined.problem
         assert name in examined.problem
     assert os.getcwd() == str(tmp_path)
+
+
+def test_agents_that_cannot_be_made_and_environments_neither_are_told(tmp_path: Path) -> None:
+    file = tmp_path / "needy.py"
+    file.write_text(
+        "class Needy:\n"
+        "    def __init__(self, env_id): raise OSError(f'no weights for {env_id}')\n"
+        "    def reset(self, episode, seed): pass\n"
+        "    def act(self, observation): pass\n"
+    )
+    good, needy = toy.spec(toy.Straight), f"{file}:Needy"
+    settings = Settings(episode_seconds=60.0)
+    sound, broken = examine([good, needy], Local(2), [TaskSpec(toy.ENV)], settings)
+    assert sound.problem == ""
+    assert f"making it for {toy.ENV}: OSError: no weights for {toy.ENV}" in broken.problem
+    (nowhere,) = examine([good], Local(1), [TaskSpec("CartPole-v1")], settings)
+    assert "making CartPole-v1: TypeError" in nowhere.problem
+    (ours,) = examine(["random"], Local(1), [TaskSpec(toy.ENV)], settings)
+    assert (ours.origin, ours.problem) == ("", "")

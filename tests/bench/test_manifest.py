@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,8 +10,8 @@ import pytest
 
 from benchmarks.attempt import Settings
 from benchmarks.conditions import TaskSpec
-from benchmarks.errors import IncompatibleResultsError
-from benchmarks.manifest import continued, describe, read_manifest
+from benchmarks.errors import IncompatibleResultsError, ResultsError
+from benchmarks.manifest import FILE_NAME, continued, describe, read_manifest
 from benchmarks.plan import Plan
 from benchmarks.results import open_results
 from icd_envs.errors import InvalidOptionError
@@ -52,6 +53,39 @@ def test_agent_that_joins_brings_its_settings_and_leaves_those_of_the_others() -
     more = replace(OLD, agents=("a", "b"), settings={"act_seconds": 60.0, "b": "theirs 1.0"})
     assert continued(OLD, more).settings == {**OLD.settings, "b": "theirs 1.0"}
     assert continued(OLD, more).mixed == ()
+
+
+def test_python_and_processor_may_change_and_are_kept() -> None:
+    moved = replace(OLD, python="3.99", cpu_model="abacus")
+    mixed = continued(OLD, moved).mixed
+    assert [text.partition(":")[0] for text in mixed] == ["python", "processor"]
+    back = replace(continued(continued(OLD, moved), OLD), mixed=mixed)
+    assert continued(back, moved).mixed == mixed
+
+
+def test_changes_that_were_not_committed_stay_told() -> None:
+    assert continued(replace(OLD, dirty=True), replace(NEW, dirty=False), allow_mixed=True).dirty
+    assert not continued(replace(OLD, dirty=False), replace(OLD, dirty=False)).dirty
+
+
+def test_package_that_an_older_version_did_not_name_is_no_difference() -> None:
+    fewer = {name: version for name, version in OLD.packages.items() if name != "torch"}
+    assert "torch" in OLD.packages
+    assert continued(replace(OLD, packages=fewer), OLD).mixed == ()
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        ("episodes", "3"), ("seed", None), ("repeats", 1.5), ("dirty", "no"), ("agents", [1]),
+        ("packages", None), ("weights", {"a": 1}), ("settings", [1]), ("wall_seconds", "long"),
+    ],
+)  # fmt: skip
+def test_field_of_a_wrong_type_is_named(tmp_path: Path, field: str, value: object) -> None:
+    record = {**json.loads(OLD.to_json()), field: value}
+    (tmp_path / FILE_NAME).write_text(json.dumps(record))
+    with pytest.raises(ResultsError, match=f"is not a manifest: .*{field}"):
+        read_manifest(tmp_path)
 
 
 @pytest.mark.parametrize("plan", [replace(PLAN, seed=1), replace(PLAN, episodes=2)])

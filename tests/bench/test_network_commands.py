@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+import sys
 from pathlib import Path
 from typing import NamedTuple
 
@@ -147,6 +148,26 @@ def test_episode_is_drawn_with_options_of_the_task(tmp_path: Path) -> None:
     assert drawn[0].exit_code == 0, drawn[0].stderr
     assert drawn[1].exit_code == 2
     assert "num_fixtures" in drawn[1].stderr
+
+
+def test_agent_of_the_user_that_raises_is_named_in_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "toy_that_raises.py").write_text(
+        "class Agent:\n"
+        "    def reset(self, episode, seed): raise ValueError('boom')\n"
+        "    def act(self, observation): pass\n"
+    )
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("sys.path", [*sys.path])
+    command = ("render", "episode", "--env", CABLE, "--out", tmp_path / "e.png")
+    drawn = icd_bench(*command, "--agent", "toy_that_raises:Agent")
+    assert (drawn.exit_code, drawn.stdout) == (2, "")
+    assert "'toy_that_raises:Agent': ValueError: boom (toy_that_raises.py:2)" in drawn.stderr
+    assert len(drawn.stderr.strip().splitlines()) == 1
+    assert "--trust-pickle" in icd_bench(*command, "--agent", "sb3:model.zip").stderr
+    trusted = icd_bench(*command, "--agent", "sb3:model.zip", "--trust-pickle")
+    assert "no model of Stable-Baselines3" in trusted.stderr
 
 
 def _halves(picture: Image.Image) -> tuple[tuple[int, int, int, int], ...]:

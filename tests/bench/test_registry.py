@@ -113,6 +113,10 @@ def test_built_in_names_are_looked_up_in_the_table(monkeypatch: pytest.MonkeyPat
         ("tests.bench.toy:Strait", "did you mean 'Straight'"),
         ("tests.bench.toy:Unready", "act"),
         ("tests.bench.toy:MAX_STEPS", "name a factory"),
+        ("tests.bench.toy:MAX_STEPS.x", "unknown attribute 'x'"),
+        ("__main__:Agent", "agent '__main__:Agent'"),
+        ("builtins:max", "cannot be read"),
+        ("fn:builtins:max", "function"),
         ("", "valid: 'diffusion-policy', 'dp3', 'expert'"),
         (":", "valid: 'diffusion-policy', 'dp3', 'expert'"),
     ],
@@ -156,6 +160,20 @@ def test_origin_changes_with_the_files(folder: Path) -> None:
     assert registry.origin(toy.spec(toy.Straight)).startswith("tests sha256:")
 
 
+def test_origin_changes_with_what_lies_beside_the_file(folder: Path) -> None:
+    helper = folder / "toy_gain.py"
+    helper.write_text("GAIN = 1.0")
+    (folder / "toy_with_gain.py").write_text(
+        "import toy_gain\nfrom tests.bench.toy import Straight"
+    )
+    registry.agent_factory("toy_with_gain:Straight")
+    first = registry.origin("toy_with_gain:Straight")
+    (folder / "toy_unrelated.py").write_text("1 / 0")
+    assert registry.origin("toy_with_gain:Straight") == first
+    helper.write_text("GAIN = -1.0")
+    assert registry.origin("toy_with_gain:Straight") != first
+
+
 def test_pickles_are_refused_without_trust(tmp_path: Path) -> None:
     with pytest.raises(InvalidOptionError, match="--trust-pickle"):
         registry.agent_factory(f"sb3:{tmp_path / 'missing.zip'}")
@@ -171,3 +189,10 @@ def test_env_id_is_checked_before_the_first_episode() -> None:
     registry.check_env_id(toy.ENV)
     with pytest.raises(InvalidOptionError, match="did you mean 'ICDCableRouting-v0'"):
         registry.check_env_id("ICDCableRoutin-v0")
+
+
+@pytest.mark.parametrize("code", ["raise RuntimeError('no')", "class", "raise SystemExit(3)"])
+def test_env_whose_module_is_broken_is_explained(folder: Path, code: str) -> None:
+    (folder / "broken_toy_env.py").write_text(code)
+    with pytest.raises(InvalidOptionError, match=r"(Error|SystemExit): "):
+        registry.check_env_id("broken_toy_env:Foo-v0")

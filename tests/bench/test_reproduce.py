@@ -92,6 +92,25 @@ def test_an_agent_that_raises_now_is_an_error(published: Path) -> None:
     assert shown.stdout.count("ERROR: ") == 3
 
 
+def test_recorded_error_is_not_reproduced_by_a_failure(published: Path) -> None:
+    change_first_row(published, status="error", success=False, message="out of memory")
+    shown = icd_bench("reproduce", published, "--out", published.with_name("again"))
+    assert shown.exit_code == 1
+    assert shown.stdout.count("ENDS DIFFERENTLY") == 1
+
+
+def test_agent_gets_what_it_was_given_and_other_files_of_it_are_told(published: Path) -> None:
+    path = published / MANIFEST_NAME
+    record = json.loads(path.read_text())
+    agent = f"agent {toy.spec(toy.Planner)}"
+    settings = {**record["settings"], "act_seconds": 33.0, agent: "tests sha256:older"}
+    path.write_text(json.dumps({**record, "settings": settings}))
+    _, found = reproduced(published)
+    assert [text.partition(" sha")[0] for text in found["changed"]] == [f"{agent}: 'tests"]
+    again = json.loads((published.with_name("again") / MANIFEST_NAME).read_text())
+    assert again["settings"]["act_seconds"] == 33.0
+
+
 def test_nothing_to_reproduce_is_said_in_one_line(tmp_path: Path) -> None:
     refused = icd_bench("reproduce", tmp_path / "nowhere")
     assert refused.exit_code == 2

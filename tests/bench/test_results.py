@@ -108,6 +108,35 @@ def test_duplicates_that_disagree_are_an_error(tmp_path: Path) -> None:
         read_rows(tmp_path)
 
 
+def test_error_gives_way_to_what_came_of_another_try(tmp_path: Path) -> None:
+    failed = make_row(status="error", message="out of memory")
+    write(tmp_path, failed.to_line() + make_row(index=1).to_line() + make_row(steps=7).to_line())
+    describe(PLAN).write(tmp_path)
+    assert [(row.index, row.steps, row.status) for row in read_rows(tmp_path)] == [
+        (0, 7, "ok"),
+        (1, 10, "ok"),
+    ]
+    write(tmp_path, make_row(steps=7).to_line() + failed.to_line())
+    with pytest.raises(ResultsError, match="lines 1 and 2: two different rows"):
+        read_rows(tmp_path)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "[" * 100_000,
+        LINES[0].replace("-10.0", "9" * 400),
+        LINES[0].replace('"index": 0', '"index": -1'),
+        LINES[0].replace('"steps": 10', '"steps": -10'),
+        LINES[0].replace('"seconds": 1.0', '"seconds": -1.0'),
+    ],
+)
+def test_line_that_no_row_has_is_a_typed_error(tmp_path: Path, line: str) -> None:
+    write(tmp_path, f"{line.strip()}\n{LINES[1]}")
+    with pytest.raises(ResultsError, match="line 1"):
+        read_rows(tmp_path)
+
+
 def test_second_writer_is_refused_while_the_first_writes(tmp_path: Path) -> None:
     with (
         open_results(tmp_path, PLAN, resume=False),

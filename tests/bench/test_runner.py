@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from benchmarks.manifest import read_manifest
 from benchmarks.results import ROWS_NAME, read_rows
 from tests.bench import toy
 from tests.bench.making import run_toys
@@ -31,6 +32,20 @@ def test_resume_adds_only_what_is_missing(tmp_path: Path) -> None:
     assert after.count(b"\n") == 10
     run_toys(tmp_path / "parts", toy.Drunk, toy.Raiser, n=5, resume=True)
     assert (tmp_path / "parts" / ROWS_NAME).read_bytes() == after
+
+
+def test_errors_are_run_again_only_if_told_and_that_is_told(tmp_path: Path) -> None:
+    first = run_toys(tmp_path, toy.Raiser, n=6)
+    errors = [row.key for row in first if row.status == "error"]
+    assert 0 < len(errors) < 6
+    assert run_toys(tmp_path, toy.Raiser, n=6, resume=True) == first
+    assert read_manifest(tmp_path).mixed == ()
+    again = run_toys(tmp_path, toy.Raiser, n=6, resume=True, retry_errors=True)
+    assert again == first  # it raises again
+    assert read_rows(tmp_path)
+    (note,) = read_manifest(tmp_path).mixed
+    assert note.startswith(f"{len(errors)} with an error run again")
+    assert (tmp_path / ROWS_NAME).read_bytes().count(b"\n") == 6 + len(errors)
 
 
 def test_rows_are_on_disk_before_the_next_episode(tmp_path: Path) -> None:

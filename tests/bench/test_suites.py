@@ -151,3 +151,11 @@ def test_robust_names_every_condition_of_its_promise() -> None:
         assert any(condition.observation_noise for condition in conditions)
         assert any(condition.planner_mass != 1.0 for condition in conditions)
         assert any(("obs_mode", "partial") in condition.options for condition in conditions)
+
+
+def test_other_scenes_are_not_the_suite() -> None:
+    full = find_suite("full")
+    assert plan_suite(full, ["a"]).suite == full.title
+    assert plan_suite(full, ["a"], seed=full.seed).suite == full.title
+    assert plan_suite(full, ["a"], seed=777).suite == ""
+    assert plan_suite(find_suite("validation"), ["a"], seed=0).suite == ""

@@ -48,6 +48,16 @@ def test_usage_errors_exit_2_in_one_line(changes: list[str], message: str) -> No
     assert refused.stdout == ""
 
 
+def test_agent_that_cannot_be_made_exits_2(monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken() -> Still:
+        raise OSError("no weights")
+
+    monkeypatch.setattr("tests.bench.watched.broken", broken, raising=False)
+    refused = CliRunner().invoke(main, ["watch", *FINE, "--agent", "tests.bench.watched:broken"])
+    assert refused.exit_code == 2
+    assert "'tests.bench.watched:broken': OSError: no weights" in refused.stderr
+
+
 def test_port_in_use_exits_2() -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = str(taken.getsockname()[1])

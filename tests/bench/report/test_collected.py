@@ -77,20 +77,41 @@ def test_clean_and_whole_results_have_no_warning(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("fields", "warning"),
     [
-        ({"mixed": ("numpy: '1' there, '2' now",)}, "--allow-mixed; numpy: '1' there, '2' now"),
+        ({"mixed": ("numpy: '1' there, '2' now",)}, "its runs differ: numpy: '1' there, '2' now"),
         ({"dirty": True}, "not committed"),
         ({"code": "sha256:0"}, "different code"),
-        ({"settings": {"act_seconds": 1.0}}, "different settings"),
-        ({"packages": {"numpy": "0.1"}}, "different package versions"),
-        ({"weights": {"a.safetensors": "0"}}, "different weights"),
+        ({"settings": {"act_seconds": 1.0}}, "different settings: act_seconds"),
+        ({"packages": {"numpy": "0.1"}}, "different packages: numpy"),
+        ({"weights": {"a.safetensors": "0"}}, "different weights: a.safetensors"),
         ({"episodes": 9}, "unfinished: 7 of 11 planned episodes are missing"),
     ],
 )
 def test_what_is_not_clean_is_said(tmp_path: Path, fields: dict[str, object], warning: str) -> None:
     one = save(tmp_path / "1", make_rows("a", [True, False]))
+    change_manifest(one, settings={"act_seconds": 60.0}, weights={"a.safetensors": "1"})
     two = change_manifest(save(tmp_path / "2", make_rows("b", [True, False])), **fields)
     (said,) = collect([one, two]).warnings()
     assert warning in said
+
+
+def test_what_one_folder_alone_tells_is_no_difference(tmp_path: Path) -> None:
+    one = save(tmp_path / "1", make_rows("a", [True, False]))
+    two = save(tmp_path / "2", make_rows("b", [True, False]))
+    change_manifest(one, settings={"act_seconds": 60.0, "agent a": "a.py sha256:1"})
+    change_manifest(two, settings={"act_seconds": 60.0, "agent b": "b.py sha256:2"})
+    assert collect([one, two]).warnings() == []
+
+
+def test_result_counts_and_not_the_error_in_another_folder(tmp_path: Path) -> None:
+    rows = make_rows("a", [True, False])
+    broken = replace(rows[0], status="error", success=False, message="boom")
+    one, two = save(tmp_path / "1", [broken, rows[1]]), save(tmp_path / "2", rows)
+    for folders in ([one, two], [two, one]):
+        found = collect(folders)
+        assert [row.status for row in found.rows] == ["ok", "ok"]
+        assert found.warnings() == [
+            "1 episode with an error in one folder count as they ended in another"
+        ]
 
 
 def test_errors_are_counted(tmp_path: Path) -> None:
