@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import deepcopy
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, cast
 
@@ -78,7 +79,8 @@ def train_diffusion(
         )
 
     about = {**about, "episodes": len(states.success), "states": len(states.step)}
-    network = Network(KIND, config, lambda: Denoiser(config, code), half=True)
+    # A copy: the network's moves to the device, while chains are still coded here.
+    network = Network(KIND, config, lambda: Denoiser(config, deepcopy(code)), half=True)
     return train_network(network, loss, training, out, about=about, device=device, seen=seen)
 
 

@@ -12,6 +12,7 @@ import pytest
 import torch
 
 from icd_agent.checkpoints import save_checkpoint
+from icd_agent.diffusion import train
 from icd_agent.diffusion.chains import ChainData
 from icd_agent.diffusion.code import SubgoalCode
 from icd_agent.diffusion.config import LEVELS, LONGEST, ChainConfig, DiffusionConfig
@@ -25,6 +26,8 @@ from icd_agent.latent.train import load_latent, train_latent
 from icd_agent.scene_tokens import Frame
 from icd_agent.states import States
 from icd_agent.training.config import TrainingConfig
+from icd_agent.training.loop import Loss
+from icd_agent.training.network import Network
 from icd_envs.api import FloatArray
 from icd_envs.errors import InvalidOptionError
 from tests.agent.toy_states import CANONICAL, bar_at, toy_states
@@ -258,6 +261,21 @@ def test_a_killed_run_goes_on_to_the_same_weights(networks: Networks, tmp_path: 
     for one, other in ((whole, again), saved):
         kept = other.state_dict()
         assert all(torch.equal(value, kept[name]) for name, value in one.state_dict().items())
+
+
+def test_a_network_that_moves_to_a_device_leaves_the_code_of_the_data(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    losses = []
+
+    def one_batch(network: Network, loss: Loss, *args: object, **rest: object) -> None:
+        network.make().to("meta")
+        losses.append(loss(network.make(), np.random.default_rng(0))["loss"])
+
+    monkeypatch.setattr(train, "train_network", one_batch)
+    latent = LatentModel(LATENT).eval()
+    train_diffusion(toy_states(5), latent, SMALL, TrainingConfig(steps=1), tmp_path, about={})
+    assert float(losses[0].detach()) > 0
 
 
 @pytest.mark.parametrize(
