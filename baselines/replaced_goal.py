@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import gymnasium as gym
@@ -33,7 +34,7 @@ class ReplacedGoal:
 
     def reset(self, episode: Episode, seed: int) -> None:
         """Begin an episode; the other goal follows from the seed."""
-        self._agent.reset(episode, seed)
+        self._agent.reset(replace(episode, foreign_goal=True), seed)
         other = int(np.random.default_rng([seed, 1]).integers(2**31))
         self._other: Observation = self._others.reset(seed=other)[0]
 

@@ -67,13 +67,13 @@ def diagnose(
     try:
         for i in range(scenes):
             observation, info = env.reset(seed=seed + i)
-            goal = observation["desired_goal"]
-            if np.array_equal(observation["scene"], observation["goal_scene"]):
+            goal, episode = observation["desired_goal"], env.episode()
+            if not episode.foreign_goal:
                 raise InvalidOptionError(
                     f"env={env_id!r} has goals of the present scene, which are the last subgoal: "
                     "give an adaptation task"
                 )
-            episode, placed = env.episode(), space.place(observation)
+            placed = space.place(observation, foreign=True)
             rng = np.random.default_rng([seed + i])
             for j in range(chains):
                 clouds = source.chain(episode, observation, placed, rng).clouds

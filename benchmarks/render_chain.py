@@ -57,7 +57,7 @@ def render(env_id: str, out: Path, *, seed: int, weights: Path | None) -> None:
     finally:
         env.close()
     scene = observation["scene"]
-    placed = ExactFieldSpace(networks.encoded).place(observation)
+    placed = ExactFieldSpace(networks.encoded).place(observation, foreign=episode.foreign_goal)
     generator = Generator(networks.diffusion, networks.latent, PRESETS["improved"].chain)
     source = DiffusedSource(networks.encoded, networks.latent, generator)
     rng = np.random.default_rng(seed)

@@ -36,8 +36,14 @@ class Placed(NamedTuple):
 class CostSpace(Protocol):
     """Where distances between object states are measured."""
 
-    def place(self, observation: Observation) -> Placed:
-        """Get ready for an episode from its first observation."""
+    def place(self, observation: Observation, *, foreign: bool = False) -> Placed:
+        """Get ready for an episode.
+
+        Args:
+            observation: the first one.
+            foreign: the goal was specified in another scene, ``Episode.foreign_goal``; what is
+                observed of the present one is partial or noisy, so that clouds do not tell.
+        """
         ...
 
 
@@ -106,7 +112,7 @@ class ReplanningSource(SubgoalSource, Protocol):
 class PointSpace:
     """World coordinates as they are; distances are metres."""
 
-    def place(self, observation: Observation) -> Placed:
+    def place(self, observation: Observation, *, foreign: bool = False) -> Placed:
         """Clouds are their own features, wherever they are."""
         return Placed(_unchanged, _unchanged, _unchanged)
 
@@ -131,9 +137,9 @@ class WithPlaces:
         self._space = space
         self._weight = np.float32(weight)
 
-    def place(self, observation: Observation) -> Placed:
+    def place(self, observation: Observation, *, foreign: bool = False) -> Placed:
         """Place the other space; (..., N, D) become (..., N, D + 3)."""
-        placed = self._space.place(observation)
+        placed = self._space.place(observation, foreign=foreign)
         return Placed(self._beside(placed.here), self._beside(placed.goal))
 
     def _beside(self, features: Features) -> Features:

@@ -90,7 +90,9 @@ class DiffusedSource:
         Now itself is not one of them.
         """
         self._tokens = scene_tokens(self._field, seen_scene(observation))
-        self._encoded = space if self._encoded_in is None else self._encoded_in.place(observation)
+        self._encoded = space
+        if self._encoded_in is not None:
+            self._encoded = self._encoded_in.place(observation, foreign=episode.foreign_goal)
         self._start = observation["achieved_goal"].mean(axis=0)
         return self._decode(self._generate(episode, observation, rng), space)
 
@@ -124,12 +126,12 @@ class DiffusedSource:
         encoded, described = self._encoded, self._latent.config.features
         features = np.stack([encoded.here(now), encoded.goal(wanted)])[..., :described]
         latents = encode(self._latent, features, canonical)
-        foreign = not np.array_equal(observation["scene"], observation["goal_scene"])
         assert self._tokens is not None
         tokens = self._tokens
         middle = now.mean(axis=0) if self._seen_from == "now" else self._start
         frame = goal_frame = tokens.frame(middle)
         code, inpaint = self._generator.code, self._generator.config.inpaint_goal
+        foreign = episode.foreign_goal
         if foreign and inpaint:  # as if it were of the present scene
             goal_frame = scene_tokens(self._field, observation["goal_scene"]).frame(middle)
         there = None if foreign and not inpaint else _placed(goal_frame, wanted)

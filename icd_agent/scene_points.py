@@ -34,12 +34,12 @@ class ScenePoints:
         self._field = field
         self._goal = goal
 
-    def place(self, observation: Observation) -> Placed:
-        """Get ready for an episode from its first observation."""
+    def place(self, observation: Observation, *, foreign: bool = False) -> Placed:
+        """Find the frames of the present scene and, if it is another, of the goal's."""
         middle = observation["achieved_goal"].mean(axis=0)
         frame = scene_tokens(self._field, seen_scene(observation)).frame(middle)
         there = frame
-        if self._goal == "in its scene":
+        if foreign and self._goal == "in its scene":
             there = scene_tokens(self._field, observation["goal_scene"]).frame(middle)
         return Placed(placed_in(frame), placed_in(there), _back_from(frame))
 

@@ -202,7 +202,7 @@ class SubgoalTracker:
         kept: then it may have been reached, and a chain that leads away and back would undo that.
         """
         if self._chain is None:
-            self._placed = self.space.place(observation)
+            self._placed = self.space.place(observation, foreign=episode.foreign_goal)
             subgoals = self._source.chain(episode, observation, self._placed, self._rng)
             self._chain = self._begin(subgoals)
         at_end = self._chain.at_end

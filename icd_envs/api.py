@@ -166,6 +166,7 @@ class Episode:
             same as ``oracle`` except in the adaptation tasks.
         ends_on_success: whether the episode is over soon after its goal is reached; if not, the
             goal must be kept to the end.
+        foreign_goal: whether the goal was specified in another scene than the present one.
     """
 
     env_id: str
@@ -178,6 +179,7 @@ class Episode:
     oracle: Oracle | None = None
     goal_oracle: Oracle | None = None
     ends_on_success: bool = True
+    foreign_goal: bool = False
 
 
 @dataclass(frozen=True)

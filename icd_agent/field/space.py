@@ -40,13 +40,12 @@ class FieldSpace:
         """
         return cls(load_field(shipped_folder(env_id, part)))
 
-    def place(self, observation: Observation) -> Placed:
+    def place(self, observation: Observation, *, foreign: bool = False) -> Placed:
         """Bake the present scene; the goal's, if it is another, is asked exactly."""
-        scene, goal_scene = seen_scene(observation), observation["goal_scene"]
+        scene = seen_scene(observation)
         places = np.concatenate([observation["achieved_goal"], observation["desired_goal"]])
         here = BakedField(self._field, scene, places, self._bake).features
-        same = np.array_equal(observation["scene"], goal_scene)
-        return Placed(here, here if same else exact_features(self._field, goal_scene))
+        return Placed(here, _there(self._field, observation) if foreign else here)
 
 
 class ExactFieldSpace:
@@ -60,12 +59,14 @@ class ExactFieldSpace:
         """
         self._field = field
 
-    def place(self, observation: Observation) -> Placed:
-        """Look at both scenes."""
-        return Placed(
-            exact_features(self._field, seen_scene(observation)),
-            exact_features(self._field, observation["goal_scene"]),
-        )
+    def place(self, observation: Observation, *, foreign: bool = False) -> Placed:
+        """Look at the present scene, and at the goal's if it is another."""
+        here = exact_features(self._field, seen_scene(observation))
+        return Placed(here, _there(self._field, observation) if foreign else here)
+
+
+def _there(field: SceneField, observation: Observation) -> Features:
+    return exact_features(field, observation["goal_scene"])
 
 
 def exact_features(field: SceneField, scene: FloatArray) -> Features:

@@ -283,6 +283,7 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
             oracle=problem.oracle if oracle else None,
             goal_oracle=problem.goal_oracle if oracle else None,
             ends_on_success=self.task.ends_on_success,
+            foreign_goal=problem.goal_scene is not problem.scene,
         )
 
     def snapshot(self) -> SimState:

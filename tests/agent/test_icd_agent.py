@@ -26,6 +26,7 @@ from icd_agent.scene_tokens import TOKENS
 from icd_agent.training.initial import initialise
 from icd_envs.api import Agent, FloatArray
 from icd_envs.errors import CheckpointError, EpisodeStateError, InvalidOptionError
+from icd_envs.wrappers import NoisyObservations
 from tests.agent.field.small import SMALL, small_field
 from tests.envs.making import CABLE
 
@@ -118,6 +119,25 @@ def test_chains_are_generated_in_one_field_and_followed_in_the_other(
         assert view.subgoals is not None
         chains.append(view.subgoals)
     np.testing.assert_array_equal(*chains)
+
+
+@pytest.mark.parametrize("made", [networks, two_fields])
+@pytest.mark.parametrize("seen", ["partial", "noisy"])
+def test_a_chain_ends_at_its_goal_however_the_scene_is_seen(
+    seen: str, made: Callable[[], Networks]
+) -> None:
+    partial: gym.Env[Any, Any] = gym.make(CABLE, obs_mode="partial")
+    env = partial if seen == "partial" else NoisyObservations(gym.make(CABLE), std=0.005)
+    observation, _ = env.reset(seed=3)
+    unwrapped: Any = env.unwrapped
+    agent = ICDAgent(made())
+    agent.reset(unwrapped.episode(simulator=True), seed=1)
+    agent.act(observation)
+    view = agent.plan_view()
+    assert view is not None
+    assert view.subgoals is not None
+    np.testing.assert_array_equal(view.subgoals[-1], observation["desired_goal"])
+    env.close()
 
 
 def test_what_is_decoded_cannot_be_followed_in_another_field() -> None:

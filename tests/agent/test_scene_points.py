@@ -41,17 +41,17 @@ def test_distances_are_those_of_the_world_and_the_way_back_is_exact() -> None:
 @pytest.mark.parametrize("foreign", [False, True])
 def test_nothing_tells_where_in_the_world_a_scene_is(foreign: bool) -> None:
     space = ScenePoints(small_field())
-    before = space.place(observed(foreign=foreign))
-    after = space.place(observed(turned, foreign=foreign))
+    before = space.place(observed(foreign=foreign), foreign=foreign)
+    after = space.place(observed(turned, foreign=foreign), foreign=foreign)
     np.testing.assert_allclose(after.here(turned(CLOUDS)), before.here(CLOUDS), atol=2e-3)
     np.testing.assert_allclose(after.goal(turned(CLOUDS)), before.goal(CLOUDS), atol=2e-3)
 
 
 def test_a_foreign_goal_is_where_it_lies_or_where_it_is_in_its_scene() -> None:
     observation = observed(foreign=True)
-    in_place = ScenePoints(small_field(), "in place").place(observation)
+    in_place = ScenePoints(small_field(), "in place").place(observation, foreign=True)
     np.testing.assert_array_equal(in_place.goal(CLOUDS), in_place.here(CLOUDS))
-    in_its_scene = ScenePoints(small_field()).place(observation)
+    in_its_scene = ScenePoints(small_field()).place(observation, foreign=True)
     own = ScenePoints(small_field()).place({**observation, "scene": observation["goal_scene"]})
     np.testing.assert_array_equal(in_its_scene.goal(CLOUDS), own.here(CLOUDS))
     assert np.abs(in_its_scene.goal(CLOUDS) - in_place.goal(CLOUDS)).max() > 0.02

@@ -152,7 +152,7 @@ def test_unusable_chain_is_refused(bad: Float64Array) -> None:
 class Norms:
     """A space that is not made of points, in which the goal's scene differs."""
 
-    def place(self, observation: Observation) -> Placed:
+    def place(self, observation: Observation, *, foreign: bool = False) -> Placed:
         return Placed(
             lambda points: np.linalg.norm(points, axis=-1, keepdims=True),
             lambda points: 2.0 * np.linalg.norm(points, axis=-1, keepdims=True),

@@ -18,9 +18,10 @@ class Listener:
 
     def __init__(self) -> None:
         self.told: list[Observation] = []
+        self.foreign: list[bool] = []
 
     def reset(self, episode: Episode, seed: int) -> None:
-        pass
+        self.foreign.append(episode.foreign_goal)
 
     def act(self, observation: Observation) -> Float32Array:
         self.told.append(observation)
@@ -37,6 +38,7 @@ def test_agent_is_told_another_goal_that_follows_from_the_seed() -> None:
         agent.reset(env.unwrapped.episode(), seed)  # type: ignore[attr-defined]
         agent.act(observation)
     first, second, again = listener.told
+    assert listener.foreign == [True] * 3
     for name in ("desired_goal", "goal_scene"):
         assert not np.array_equal(first[name], observation[name])  # type: ignore[literal-required]
         assert not np.array_equal(first[name], second[name])  # type: ignore[literal-required]

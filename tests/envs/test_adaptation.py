@@ -68,6 +68,22 @@ def test_routing_matches_in_whatever_scene_the_goal_is_from() -> None:
     assert env.compute_reward(here, goal["desired_goal"], mistaken) == -1.0
 
 
+@pytest.mark.parametrize(
+    ("env_id", "foreign"),
+    [
+        (CABLE, True),
+        (NOTEBOOK, True),
+        ("ICDCableRouting-v0", False),
+        ("ICDNotebookFolding-v0", False),
+    ],
+)
+def test_an_episode_says_whether_its_goal_is_of_another_scene(env_id: str, foreign: bool) -> None:
+    env = make(env_id)
+    observation, _ = env.reset(seed=0)
+    assert env.episode().foreign_goal == foreign
+    assert np.array_equal(observation["scene"], observation["goal_scene"]) != foreign
+
+
 def test_notebook_matches_when_both_are_folded_on_their_tables_or_neither() -> None:
     env = make(NOTEBOOK)
     goal, info = env.reset(seed=0)

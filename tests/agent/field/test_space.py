@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from icd_agent.field.baked import BakeConfig
-from icd_agent.field.space import FieldSpace, exact_features
+from icd_agent.field.space import ExactFieldSpace, FieldSpace, exact_features
 from icd_agent.field.train import load_field
 from icd_agent.weights import LOCAL_FIELD, TRAINED_FOR, shipped_folder
 from icd_envs import ENV_IDS
@@ -25,7 +25,7 @@ def observed(present: int, goal: int) -> Observation:
 
 def test_states_are_compared_in_the_scene_they_belong_to() -> None:
     field = load_field(shipped_folder("ICDCableRouting-v0", LOCAL_FIELD))
-    placed = FieldSpace(field).place(observed(0, 1))
+    placed = FieldSpace(field).place(observed(0, 1), foreign=True)
     points = scene(0).object_points[None]
     there = exact_features(field, scene(1).cloud)(points)
     assert placed.goal(points).shape == (1, 20, field.config.descriptor)
@@ -37,6 +37,16 @@ def test_states_are_compared_in_the_scene_they_belong_to() -> None:
 def test_a_goal_of_the_same_scene_is_measured_in_the_same_way() -> None:
     placed = FieldSpace(small_field(), COARSE).place(observed(0, 0))
     assert placed.goal is placed.here
+
+
+def test_a_goal_is_of_another_scene_if_the_episode_says_so_however_the_scene_is_seen() -> None:
+    points, blurred = scene(0).object_points, observed(0, 0)
+    blurred["scene"] = blurred["scene"] + np.float32(1e-3)
+    for space in (FieldSpace(small_field(), COARSE), ExactFieldSpace(small_field())):
+        own, foreign = space.place(blurred), space.place(blurred, foreign=True)
+        np.testing.assert_array_equal(own.goal(points), own.here(points))
+        exact = exact_features(small_field(), blurred["goal_scene"])(points)
+        np.testing.assert_array_equal(foreign.goal(points), exact)
 
 
 def test_points_that_are_not_seen_play_no_part() -> None:
