@@ -25,5 +25,5 @@ def make_global_ndf(env_id: str, weights: Path | None = None) -> ICDAgent:
     Raises:
         CheckpointError: missing or damaged weights.
     """
-    folder = weights or shipped_folder(env_id, GLOBAL)
-    return ICDAgent(load_networks(folder), best_preset(env_id))
+    networks = load_networks(weights or shipped_folder(env_id, GLOBAL), env_id)
+    return ICDAgent(networks, best_preset(networks.env_id or env_id))

@@ -9,10 +9,12 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+from icd_agent.checkpoints import check_made_with, check_task, read_about
 from icd_agent.diffused import DiffusedSource
 from icd_agent.diffusion.generate import Generator
 from icd_agent.diffusion.train import KIND as DIFFUSION
 from icd_agent.diffusion.train import load_diffusion
+from icd_agent.field.train import KIND as FIELD
 from icd_agent.field.train import load_field
 from icd_agent.latent.train import KIND as LATENT
 from icd_agent.latent.train import load_latent
@@ -42,10 +44,15 @@ def compose(env_id: str, folder: Path, settings: str) -> SubgoalTracker:
         settings: name of ICD's preset.
 
     Raises:
-        CheckpointError: missing or damaged weights.
+        CheckpointError: missing or damaged weights, those of another task, or such as were not
+            trained on one another.
     """
-    chosen = PRESETS[settings]
-    field, latent = load_field(shipped_folder(env_id, LOCAL_FIELD)), load_latent(folder / LATENT)
+    chosen, seen = PRESETS[settings], shipped_folder(env_id, LOCAL_FIELD)
+    for part in (LATENT, DIFFUSION):
+        check_task(read_about(folder / part), env_id)
+        check_made_with(folder / part, FIELD, seen)
+    check_made_with(folder / DIFFUSION, LATENT, folder / LATENT)
+    field, latent = load_field(seen), load_latent(folder / LATENT)
     chain = replace(chosen.chain, ask_field=False)
     generator = Generator(load_diffusion(folder / DIFFUSION), latent, chain)
     source = DiffusedSource(field, latent, generator, seen_from="start")

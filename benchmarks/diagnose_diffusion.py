@@ -12,7 +12,7 @@ from torch import Tensor
 
 from benchmarks.console import Values
 from benchmarks.held_out import held_out, other_runs
-from icd_agent.checkpoints import check_made_with, weights_sha256
+from icd_agent.checkpoints import check_made_with
 from icd_agent.diffusion.config import LONGEST, ChainConfig
 from icd_agent.diffusion.denoiser import Denoiser
 from icd_agent.diffusion.generate import Generated, Generator, Task
@@ -79,7 +79,8 @@ def diagnose(
     latent = shipped / LATENT if latent is None else latent
     weights = shipped / DIFFUSION if weights is None else weights
     for folder in (latent, weights):
-        check_made_with(folder, FIELD, weights_sha256(field))
+        check_made_with(folder, FIELD, field)
+    check_made_with(weights, LATENT, latent)
     model, denoiser = load_latent(latent), load_diffusion(weights)
     generator = Generator(denoiser, model, ChainConfig(reachable=UNREACHABLE))
     states, seeds, clouds = held_out(env_id, scenes, seed=seed, field=field)

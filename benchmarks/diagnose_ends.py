@@ -55,7 +55,7 @@ def diagnose(
     """
     if env_id not in ENV_IDS:
         raise InvalidOptionError(unknown_name("environment id", env_id, ENV_IDS))
-    networks = load_shipped(env_id) if weights is None else load_networks(weights)
+    networks = load_shipped(env_id) if weights is None else load_networks(weights, env_id)
     settings = PRESETS[best_preset(env_id)].chain
     generator = Generator(networks.diffusion, networks.latent, settings)
     source = DiffusedSource(networks.encoded, networks.latent, generator)

@@ -10,7 +10,7 @@ from scipy.stats import spearmanr
 
 from benchmarks.console import Values
 from benchmarks.held_out import held_out
-from icd_agent.checkpoints import check_made_with, weights_sha256
+from icd_agent.checkpoints import check_made_with
 from icd_agent.diffusion.train import encode_states
 from icd_agent.field.train import KIND as FIELD
 from icd_agent.latent.model import LatentModel
@@ -52,7 +52,7 @@ def diagnose(
     shipped = shipped_chains(env_id)
     field = shipped / FIELD if field is None else field
     weights = shipped / KIND if weights is None else weights
-    check_made_with(weights, FIELD, weights_sha256(field))
+    check_made_with(weights, FIELD, field)
     model = load_latent(weights)
     states = held_out(env_id, scenes, seed=seed, field=field).states
     latents = encode_states(states, model)

@@ -46,7 +46,7 @@ def render(env_id: str, out: Path, *, seed: int, weights: Path | None) -> None:
     if env_id not in ENV_IDS:
         raise InvalidOptionError(unknown_name("environment id", env_id, ENV_IDS))
     figure = new_figure(out, (14, 9))
-    networks = load_shipped(env_id) if weights is None else load_networks(weights)
+    networks = load_shipped(env_id) if weights is None else load_networks(weights, env_id)
     env = gym.make(env_id, split="test").unwrapped
     assert isinstance(env, ContactEnv)
     try:

@@ -39,7 +39,7 @@ def bank(
     shipped = shipped_chains(env_id)
     field = shipped / FIELD if field is None else field
     latent = shipped / LATENT if latent is None else latent
-    check_made_with(latent, FIELD, weights_sha256(field))
+    check_made_with(latent, FIELD, field)
     network = load_latent(latent)
     states, about = describe(env_id, data, field, episodes)
     kept = make_bank(states, encode_states(states, network), CHAINS)

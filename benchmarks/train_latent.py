@@ -9,7 +9,7 @@ from benchmarks.console import Values
 from benchmarks.described import describe
 from benchmarks.train_chains import fit_diffusion, fit_latent
 from benchmarks.training_order import TrainingOrder
-from icd_agent.checkpoints import check_made_with, weights_sha256
+from icd_agent.checkpoints import check_made_with
 from icd_agent.field.train import KIND as FIELD
 from icd_agent.latent.train import KIND as LATENT
 from icd_agent.training.device import check_device
@@ -54,7 +54,7 @@ def diffusion(order: TrainingOrder, *, field: Path | None, latent: Path | None) 
     shipped = shipped_chains(order.env_id)
     field = shipped / FIELD if field is None else field
     latent = shipped / LATENT if latent is None else latent
-    check_made_with(latent, FIELD, weights_sha256(field))
+    check_made_with(latent, FIELD, field)
     described = describe(order.env_id, order.data, field, order.episodes)
     trained = fit_diffusion(described, order, latent)
     return _values(order, trained, described.about)

@@ -64,12 +64,14 @@ class ICDAgent:
 
         Raises:
             InvalidOptionError: unknown preset.
-            CheckpointError: the networks do not fit one another, or the preset decodes subgoals
-                and there are two fields.
+            CheckpointError: the networks do not fit one another or the task of ``env``, or the
+                preset decodes subgoals and there are two fields.
         """
         if preset not in PRESETS:
             raise InvalidOptionError(unknown_name("ICD preset", preset, PRESETS))
         check_fit(networks)
+        if env is not None:
+            networks.check_task(getattr(env.unwrapped.spec, "id", None))
         settings = PRESETS[preset]
         if networks.whole is not None and not settings.chain.ask_field:
             raise CheckpointError(
@@ -100,22 +102,21 @@ class ICDAgent:
             source: id of an environment, for the weights of the package (with "paper" those of ICD
                 on the local field alone); or a folder that ``save_pretrained`` has written; or
                 ``owner/name`` of a repository on the Hugging Face hub, which is downloaded.
-            preset: "paper", "improved" or "careful"; None is what did best with the package's
-                weights, and "improved" for others.
+            preset: "paper", "improved" or "careful"; None is what did best in the environment that
+                the weights were trained for, and "improved" if they do not tell.
             env: gives ``predict`` the simulator.
 
         Raises:
-            CheckpointError: missing or damaged weights.
+            CheckpointError: missing or damaged weights, or those of another task than ``env``.
             InvalidOptionError: unknown preset.
         """
-        preset = best_preset(source) if preset is None else preset
         if weights_name(str(source)) is None:
             networks = load_networks(find_folder(source))
         elif preset == "paper":
             networks = load_networks(shipped_folder(str(source), LOCAL))
         else:
             networks = load_shipped(str(source))
-        return cls(networks, preset, env=env)
+        return cls(networks, preset or best_preset(networks.env_id), env=env)
 
     def save_pretrained(self, folder: str | Path) -> None:
         """Write the weights, for ``from_pretrained``; files of the same names are replaced."""
@@ -127,7 +128,12 @@ class ICDAgent:
         return self.tracker.plan_info
 
     def reset(self, episode: Episode, seed: int) -> None:
-        """Begin an episode; see ``SubgoalTracker.reset``."""
+        """Begin an episode; see ``SubgoalTracker.reset``.
+
+        Raises:
+            CheckpointError: the weights are those of another task.
+        """
+        self.networks.check_task(episode.env_id)
         self.tracker.reset(episode, seed)
 
     def act(self, observation: Observation) -> Float32Array:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, is_dataclass
 from pathlib import Path
 from typing import Any, Final, TypeVar
@@ -14,6 +14,7 @@ from safetensors import SafetensorError
 from safetensors.torch import load, save
 from torch import nn
 
+from icd_agent.weights import weights_name
 from icd_envs.errors import CheckpointError
 
 CONFIG_NAME: Final = "config.json"
@@ -108,23 +109,63 @@ def weights_sha256(folder: Path) -> str:
     return str(_read_config(folder / CONFIG_NAME)["sha256"])
 
 
-def check_made_with(folder: Path, part: str, used: str) -> None:
+def read_about(folder: Path) -> dict[str, Any]:
+    """How the weights in a folder were trained, as ``save_checkpoint`` was told.
+
+    Raises:
+        CheckpointError: there is no checkpoint.
+    """
+    about: dict[str, Any] = _read_config(folder / CONFIG_NAME)["about"]
+    return about
+
+
+def check_made_with(folder: Path, part: str, used: Path) -> None:
     """Refuse weights that were trained with other ones; those that do not tell are taken.
 
     Args:
         folder: of the weights.
         part: what they tell the sha256 of, e.g. ``field``.
-        used: the sha256 of what would be used for it.
+        used: folder of what would be used for it; weights may have been rounded since, if they
+            tell from which (``rounded_from``).
 
     Raises:
         CheckpointError: they were trained with others, or are missing.
     """
-    data = _read_config(folder / CONFIG_NAME)["about"].get("data", {})
-    told = data.get(part)
-    if told is not None and told != used:
+    told = read_about(folder).get("data", {}).get(part)
+    there = weights_sha256(used)
+    if told not in (None, there, read_about(used).get("rounded_from")):
         raise CheckpointError(
-            f"{folder} was trained with the {part} {told[:12]}, not with {used[:12]}: use networks "
-            "that were trained on one another"
+            f"{folder} was trained with the {part} {str(told)[:12]}, not with {there[:12]} in "
+            f"{used}: use networks that were trained on one another"
+        )
+
+
+def trained_for(about: Mapping[str, Any]) -> str | None:
+    """Id of the environment that weights were trained for, if they tell.
+
+    Args:
+        about: how they were trained.
+    """
+    env_id: str | None = about.get("data", about.get("training", {})).get("env")
+    return env_id
+
+
+def check_task(about: Mapping[str, Any], env_id: str | None) -> None:
+    """Refuse weights of another task of ours; an adaptation task shares those of its task.
+
+    Args:
+        about: how they were trained; if that does not tell for what, they are taken.
+        env_id: where they are to be used; an environment that is not ours may use any.
+
+    Raises:
+        CheckpointError: both are known, and differ.
+    """
+    trained = trained_for(about)
+    theirs, wanted = weights_name(trained or ""), weights_name(env_id or "")
+    if theirs and wanted and theirs != wanted:
+        raise CheckpointError(
+            f"weights that were trained for {trained} cannot be used in {env_id}: use those of its "
+            "own task"
         )
 
 
@@ -138,6 +179,9 @@ def _read_config(path: Path) -> dict[str, Any]:
         type(record.get(name)) is not kind for name, kind in wanted.items()
     ):
         raise CheckpointError(f"{path} is no checkpoint: it must have the keys {sorted(wanted)}")
+    for name in ("data", "training"):
+        if not isinstance(record["about"].get(name, {}), dict):
+            raise CheckpointError(f"{path} is damaged: about.{name} must be a dictionary")
     return record
 
 

@@ -2,10 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Final, NamedTuple
+from types import MappingProxyType
+from typing import Any, Final, NamedTuple
 
-from icd_agent.checkpoints import check_made_with, save_checkpoint, weights_sha256
+from torch import nn
+
+from icd_agent.checkpoints import (
+    check_made_with,
+    check_task,
+    read_about,
+    save_checkpoint,
+    trained_for,
+    weights_sha256,
+)
 from icd_agent.diffusion.denoiser import Denoiser
 from icd_agent.diffusion.train import KIND as DIFFUSION
 from icd_agent.diffusion.train import load_diffusion
@@ -31,35 +42,57 @@ class Networks(NamedTuple):
         diffusion: generates chains of its latents.
         whole: field whose descriptors are encoded, with one code for the whole scene, because these
             are much the same in another scene; None is ``field``, as in the paper.
+        about: how each part was trained, by the name of its folder.
     """
 
     field: SceneField
     latent: LatentModel
     diffusion: Denoiser
     whole: SceneField | None = None
+    about: Mapping[str, dict[str, Any]] = MappingProxyType({})
 
     @property
     def encoded(self) -> SceneField:
         """The field whose descriptors are encoded."""
         return self.field if self.whole is None else self.whole
 
+    @property
+    def env_id(self) -> str | None:
+        """Id of the environment that chains were learned in, if it is known."""
+        return trained_for(self.about.get(DIFFUSION, {}))
 
-def load_networks(folder: Path) -> Networks:
+    def check_task(self, env_id: str | None) -> None:
+        """Refuse another task of ours than that of the parts; what does not tell is taken.
+
+        Raises:
+            CheckpointError: a part was trained for another.
+        """
+        for about in self.about.values():
+            check_task(about, env_id)
+
+
+def load_networks(folder: Path, env_id: str | None = None) -> Networks:
     """Read what ``save_networks`` has written.
 
+    Args:
+        folder: of the parts.
+        env_id: where they are to be used, if that is known.
+
     Raises:
-        CheckpointError: missing or damaged weights, or of networks trained on another field.
+        CheckpointError: missing or damaged weights, of networks that were not trained on one
+            another, or of another task than that of ``env_id``.
     """
     whole = load_field(folder / WHOLE) if (folder / WHOLE).is_dir() else None
-    found = Networks(
-        load_field(folder / FIELD),
-        load_latent(folder / LATENT),
-        load_diffusion(folder / DIFFUSION),
-        whole,
-    )
-    encoded = weights_sha256(folder / (FIELD if whole is None else WHOLE))
+    field, latent = load_field(folder / FIELD), load_latent(folder / LATENT)
+    diffusion = load_diffusion(folder / DIFFUSION)
+    encoded = FIELD if whole is None else WHOLE
     for part in (LATENT, DIFFUSION):
-        check_made_with(folder / part, FIELD, encoded)
+        check_made_with(folder / part, FIELD, folder / encoded)
+    check_made_with(folder / DIFFUSION, LATENT, folder / LATENT)
+    about = {part: read_about(folder / part) for part in (FIELD, encoded, LATENT, DIFFUSION)}
+    found = Networks(field, latent, diffusion, whole, about)
+    for task in (found.env_id, env_id):
+        found.check_task(task)
     return found
 
 
@@ -69,22 +102,30 @@ def load_shipped(env_id: str) -> Networks:
     Raises:
         CheckpointError: there are none for this environment, or they are damaged.
     """
-    generated = load_networks(shipped_chains(env_id))
+    generated = load_networks(shipped_chains(env_id), env_id)
     if chains_in(env_id) == LOCAL:
         return generated
-    local = load_field(shipped_folder(env_id, LOCAL_FIELD))
-    return generated._replace(field=local, whole=generated.field)
+    folder = shipped_folder(env_id, LOCAL_FIELD)
+    about = {**generated.about, WHOLE: generated.about[FIELD], FIELD: read_about(folder)}
+    return generated._replace(field=load_field(folder), whole=generated.field, about=about)
 
 
 def save_networks(networks: Networks, folder: Path) -> None:
-    """Write the weights; files of the same names are replaced."""
-    save_checkpoint(folder / FIELD, FIELD, networks.field, networks.field.config, {})
+    """Write the weights and how they were trained; files of the same names are replaced."""
+
+    def save(part: str, kind: str, network: nn.Module, config: object) -> None:
+        about = networks.about.get(part, {})
+        if kind != FIELD:  # what it was trained with is saved in other files
+            about = {**about, "data": {**about.get("data", {}), **made_with}}
+        save_checkpoint(folder / part, kind, network, config, about)
+        made_with[kind] = weights_sha256(folder / part)
+
+    made_with: dict[str, str] = {}
+    save(FIELD, FIELD, networks.field, networks.field.config)
     if networks.whole is not None:
-        save_checkpoint(folder / WHOLE, FIELD, networks.whole, networks.whole.config, {})
-    encoded = FIELD if networks.whole is None else WHOLE
-    about = {"data": {FIELD: weights_sha256(folder / encoded)}}
-    for part, network in ((LATENT, networks.latent), (DIFFUSION, networks.diffusion)):
-        save_checkpoint(folder / part, part, network, network.config, about)
+        save(WHOLE, FIELD, networks.whole, networks.whole.config)
+    save(LATENT, LATENT, networks.latent, networks.latent.config)
+    save(DIFFUSION, DIFFUSION, networks.diffusion, networks.diffusion.config)
 
 
 def check_fit(networks: Networks) -> None:

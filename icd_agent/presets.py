@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Final, NamedTuple
 
 from icd_agent.diffusion.config import ChainConfig
@@ -47,10 +46,10 @@ way to it is done, the last one generated if the goal is foreign, noise correlat
 _BEST: Final = {"notebook-folding": "careful"}
 
 
-def best_preset(source: str | Path) -> str:
+def best_preset(env_id: str | None) -> str:
     """Name of the settings that did best in training scenes.
 
     Args:
-        source: as ``ICDAgent.from_pretrained`` takes it.
+        env_id: id of the environment that the weights were trained for; None if it is not known.
     """
-    return _BEST.get(weights_name(str(source)) or "", "improved")
+    return _BEST.get(weights_name(env_id or "") or "", "improved")

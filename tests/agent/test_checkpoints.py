@@ -15,7 +15,13 @@ import torch
 from safetensors.torch import save
 from torch import nn
 
-from icd_agent.checkpoints import CONFIG_NAME, WEIGHTS_NAME, load_checkpoint, save_checkpoint
+from icd_agent.checkpoints import (
+    CONFIG_NAME,
+    WEIGHTS_NAME,
+    check_made_with,
+    load_checkpoint,
+    save_checkpoint,
+)
 from icd_envs.errors import CheckpointError
 
 
@@ -138,6 +144,13 @@ def test_config_of_something_else_is_refused(
     rewrite(folder, **changes)
     with pytest.raises(CheckpointError, match=reason):
         load_checkpoint(folder, "toy", build)
+
+
+@pytest.mark.parametrize("part", ["data", "training"])
+def test_record_of_the_training_that_is_none_is_refused(folder: Path, part: str) -> None:
+    rewrite(folder, about={part: []})
+    with pytest.raises(CheckpointError, match=rf"about\.{part} must be a dictionary"):
+        check_made_with(folder, "field", folder)
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", '{"format": 1}'])

@@ -15,7 +15,10 @@ import torch
 from gymnasium.wrappers import TimeLimit
 from stable_baselines3.common.evaluation import evaluate_policy
 
+from baselines.global_ndf import make_global_ndf
+from baselines.icd import make_icd, make_icd_local
 from icd_agent.agent import ICDAgent
+from icd_agent.checkpoints import read_about, save_checkpoint, weights_sha256
 from icd_agent.diffusion.config import DiffusionConfig
 from icd_agent.diffusion.denoiser import Denoiser
 from icd_agent.latent.config import LatentConfig
@@ -30,6 +33,7 @@ from icd_envs.wrappers import NoisyObservations
 from tests.agent.field.small import SMALL, small_field
 from tests.envs.making import CABLE
 
+NOTEBOOK = "ICDNotebookFolding-v0"
 FEATURES = SMALL.descriptor
 LATENT = LatentConfig(FEATURES, FEATURES, 200, latent=8, groups=6, neighbours=4, width=16)
 DENOISER = DiffusionConfig(8, FEATURES, 200, TOKENS, width=32, layers=1, heads=2)
@@ -104,6 +108,66 @@ def test_networks_of_another_field_are_refused(
     shutil.copytree(tmp_path / "other" / part, tmp_path / "one" / part, dirs_exist_ok=True)
     with pytest.raises(CheckpointError, match=f"{part} was trained with the field"):
         ICDAgent.from_pretrained(tmp_path / "one")
+
+
+def test_a_denoiser_of_other_latents_is_refused_unless_they_were_only_rounded(
+    tmp_path: Path,
+) -> None:
+    found = networks()
+    other = LatentModel(LATENT).eval()
+    initialise(other, torch.Generator().manual_seed(1))
+    for name, latent in (("one", found.latent), ("other", other)):
+        ICDAgent(found._replace(latent=latent)).save_pretrained(tmp_path / name)
+    trained = weights_sha256(tmp_path / "one" / "latent")
+    shutil.copytree(tmp_path / "other/latent", tmp_path / "one/latent", dirs_exist_ok=True)
+    with pytest.raises(CheckpointError, match="was trained with the latent"):
+        ICDAgent.from_pretrained(tmp_path / "one")
+    about = {"rounded_from": trained}
+    save_checkpoint(tmp_path / "one" / "latent", "latent", found.latent, LATENT, about, half=True)
+    ICDAgent.from_pretrained(tmp_path / "one")
+
+
+def learned_in(*env_ids: str) -> Networks:
+    """Networks that tell where the denoiser was trained, and then where the field was."""
+    told = {"data": {"seed": 3}, "training": {"steps": 7}}
+    parts = dict(zip(("diffusion", "field"), env_ids, strict=False))
+    about = {part: {**told, "data": {"seed": 3, "env": env}} for part, env in parts.items()}
+    return networks()._replace(about=about)
+
+
+def test_saved_weights_tell_how_they_were_trained_and_keep_their_preset(tmp_path: Path) -> None:
+    ICDAgent(learned_in(NOTEBOOK, NOTEBOOK), "paper").save_pretrained(tmp_path)
+    about = read_about(tmp_path / "diffusion")
+    made_with = {part: weights_sha256(tmp_path / part) for part in ("field", "latent")}
+    assert about["data"] == {"seed": 3, "env": NOTEBOOK, **made_with}
+    assert about["training"] == {"steps": 7}
+    loaded = ICDAgent.from_pretrained(tmp_path)
+    assert loaded.networks.env_id == NOTEBOOK
+    assert loaded.preset == best_preset(NOTEBOOK) == "careful"
+    for make in (make_icd, make_icd_local, make_global_ndf):
+        assert make("ICDNotebookFoldingAdaptation-v0", tmp_path).preset == "careful"
+        assert make("Another-v0", tmp_path).preset == "careful"
+
+
+def test_weights_of_another_task_are_refused_unless_it_is_not_ours(
+    env: gym.Env[Any, Any], tmp_path: Path
+) -> None:
+    agent = ICDAgent(learned_in(NOTEBOOK))
+    agent.save_pretrained(tmp_path)
+    unwrapped: Any = env.unwrapped
+    env.reset(seed=3)
+    episode = unwrapped.episode(simulator=True)
+    with pytest.raises(CheckpointError, match=f"{NOTEBOOK} cannot be used in {CABLE}"):
+        agent.reset(episode, seed=1)
+    with pytest.raises(CheckpointError, match="its own task"):
+        ICDAgent.from_pretrained(tmp_path, env=env)
+    with pytest.raises(CheckpointError, match="its own task"):
+        make_icd(CABLE, tmp_path)
+    agent.reset(replace(episode, env_id="Another-v0"), seed=1)
+    ICDAgent(learned_in("Another-v0"), env=env).reset(episode, seed=1)
+    ICDAgent(learned_in(NOTEBOOK, CABLE)).save_pretrained(tmp_path / "mixed")
+    with pytest.raises(CheckpointError, match="its own task"):
+        ICDAgent.from_pretrained(tmp_path / "mixed")
 
 
 def test_chains_are_generated_in_one_field_and_followed_in_the_other(
@@ -215,4 +279,4 @@ def test_missing_weights_are_named(tmp_path: Path) -> None:
 def test_the_notebook_is_not_hurried() -> None:
     assert best_preset("ICDNotebookFolding-v0") == "careful"
     assert best_preset("ICDNotebookFoldingAdaptation-v0") == "careful"
-    assert best_preset("ICDCableRouting-v0") == best_preset("some/folder") == "improved"
+    assert best_preset("ICDCableRouting-v0") == best_preset(None) == "improved"
