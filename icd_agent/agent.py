@@ -24,7 +24,7 @@ from icd_agent.networks import (
 from icd_agent.plan_info import PlanInfo
 from icd_agent.presets import PRESETS, best_preset
 from icd_agent.tracking import SubgoalTracker
-from icd_agent.weights import LOCAL, shipped_folder, weights_name
+from icd_agent.weights import LOCAL, shipped_folder
 from icd_envs.api import Episode, Float32Array, Observation, PlanView
 from icd_envs.errors import CheckpointError, EpisodeStateError, InvalidOptionError, unknown_name
 
@@ -99,9 +99,10 @@ class ICDAgent:
         """Load an agent.
 
         Args:
-            source: id of an environment, for the weights of the package (with "paper" those of ICD
-                on the local field alone); or a folder that ``save_pretrained`` has written; or
-                ``owner/name`` of a repository on the Hugging Face hub, which is downloaded.
+            source: a folder that ``save_pretrained`` has written; or the id of an environment, for
+                the weights of the package (with "paper" those of ICD on the local field alone); or
+                ``owner/name`` of a repository on the Hugging Face hub, which is downloaded. A
+                ``Path`` is always a folder, as is what names one that is there.
             preset: "paper", "improved" or "careful"; None is what did best in the environment that
                 the weights were trained for, and "improved" if they do not tell.
             env: gives ``predict`` the simulator.
@@ -110,8 +111,9 @@ class ICDAgent:
             CheckpointError: missing or damaged weights, or those of another task than ``env``.
             InvalidOptionError: unknown preset.
         """
-        if weights_name(str(source)) is None:
-            networks = load_networks(find_folder(source))
+        folder = find_folder(source)
+        if folder is not None:
+            networks = load_networks(folder)
         elif preset == "paper":
             networks = load_networks(shipped_folder(str(source), LOCAL))
         else:

@@ -26,8 +26,16 @@ from icd_agent.field.train import load_field
 from icd_agent.latent.model import LatentModel
 from icd_agent.latent.train import KIND as LATENT
 from icd_agent.latent.train import load_latent
-from icd_agent.weights import LOCAL, LOCAL_FIELD, chains_in, shipped_chains, shipped_folder
-from icd_envs.errors import CheckpointError
+from icd_agent.weights import (
+    LOCAL,
+    LOCAL_FIELD,
+    TRAINED_FOR,
+    chains_in,
+    shipped_chains,
+    shipped_folder,
+    weights_name,
+)
+from icd_envs.errors import CheckpointError, unknown_name
 
 WHOLE: Final = "whole"
 """Folder of the field that chains are generated in, if they are followed in another."""
@@ -149,14 +157,31 @@ def check_fit(networks: Networks) -> None:
         )
 
 
-def find_folder(source: str | Path) -> Path:
-    """Folder of weights: ``source`` itself, or the download of a repository on the hub.
+def find_folder(source: str | Path) -> Path | None:
+    """Folder of weights; None if an id is given, for the weights of the package.
 
     Args:
-        source: a folder, or ``owner/name`` of a repository on the Hugging Face hub.
+        source: a folder; or the id of an environment; or ``owner/name`` of a repository on the
+            Hugging Face hub, which is downloaded. A folder that is there, and any ``Path``, is one.
+
+    Raises:
+        CheckpointError: it is none of these, or could not be downloaded.
     """
-    if isinstance(source, Path) or Path(source).is_dir() or source.count("/") != 1:
+    if isinstance(source, Path) or Path(source).is_dir():
         return Path(source)
+    if weights_name(source) is not None:
+        return None
+    if "/" not in source:
+        known = unknown_name("folder, or environment with shipped weights:", source, TRAINED_FOR)
+        raise CheckpointError(known)
+    if source.count("/") > 1 or source.startswith((".", "/", "~")):
+        raise CheckpointError(f"{source} is no folder: name what save_pretrained has written")
     from huggingface_hub import snapshot_download
 
-    return Path(snapshot_download(source, allow_patterns=["*.json", "*.safetensors"]))
+    try:
+        return Path(snapshot_download(source, allow_patterns=["*.json", "*.safetensors"]))
+    except Exception as error:  # the hub and the network each fail in ways of their own
+        raise CheckpointError(
+            f"{source} is no folder here, and as a repository of the Hugging Face hub it cannot be "
+            f"downloaded: {type(error).__name__}: {error}"
+        ) from error

@@ -276,6 +276,44 @@ def test_missing_weights_are_named(tmp_path: Path) -> None:
         ICDAgent.from_pretrained(tmp_path)
 
 
+@pytest.mark.parametrize(
+    ("source", "reason"),
+    [
+        ("ICDCableRoutng-v0", "did you mean 'ICDCableRouting-v0'"),
+        ("./runs/icd", "no folder: name what save_pretrained"),
+        ("runs/icd/best", "no folder: name what save_pretrained"),
+        ("runs/icd", "no folder here, and as a repository .* OSError: not now"),
+    ],
+)
+def test_a_source_that_is_not_there_is_answered_by_what_it_could_have_been(
+    source: str, reason: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def download(source: str, **given: object) -> str:
+        raise OSError("not now")
+
+    monkeypatch.setattr("huggingface_hub.snapshot_download", download)
+    with pytest.raises(CheckpointError, match=reason):
+        ICDAgent.from_pretrained(source)
+
+
+def test_a_repository_is_downloaded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    ICDAgent(learned_in(NOTEBOOK)).save_pretrained(tmp_path)
+    downloads = {"owner/name": str(tmp_path)}
+    monkeypatch.setattr("huggingface_hub.snapshot_download", lambda name, **_: downloads[name])
+    assert ICDAgent.from_pretrained("owner/name").networks.env_id == NOTEBOOK
+
+
+def test_a_folder_named_like_an_environment_is_a_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(CheckpointError, match="cannot read"):
+        ICDAgent.from_pretrained(Path(CABLE))
+    ICDAgent(learned_in("Another-v0")).save_pretrained(CABLE)
+    for source in (CABLE, Path(CABLE)):
+        assert ICDAgent.from_pretrained(source).networks.env_id == "Another-v0"
+
+
 def test_the_notebook_is_not_hurried() -> None:
     assert best_preset("ICDNotebookFolding-v0") == "careful"
     assert best_preset("ICDNotebookFoldingAdaptation-v0") == "careful"
