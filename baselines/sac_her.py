@@ -17,6 +17,7 @@ import torch
 from torch import Tensor, nn
 
 from icd_agent.checkpoints import load_checkpoint
+from icd_agent.observed import checked
 from icd_agent.options import is_count, require
 from icd_agent.policy.look import evenly
 from icd_agent.weights import SAC_HER, shipped_folder
@@ -110,14 +111,18 @@ class ActorAgent:
 
     @torch.no_grad()
     def act(self, observation: Observation) -> Float32Array:
-        """Return an action, (3,) in [-1, 1]."""
-        config, parts = self.actor.config, dict(observation)
+        """Return an action, (3,) in [-1, 1].
+
+        Raises:
+            InvalidObservationError: not what an environment observes, or not finite.
+        """
+        config, parts = self.actor.config, dict(checked(observation))
         clouds = {}
         for name in CLOUDS:
             cloud: Any = parts[name]
             count = config.object_points if name in OBJECT else config.scene_points
             clouds[name] = torch.from_numpy(cloud[evenly(len(cloud), count)])[None]
-        gripper = torch.from_numpy(observation["observation"].copy())[None]
+        gripper = torch.from_numpy(np.array(parts["observation"]))[None]
         action: Float32Array = np.asarray(self.actor(clouds, gripper)[0])
         return action
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -21,6 +22,7 @@ from icd_agent.networks import (
     load_shipped,
     save_networks,
 )
+from icd_agent.observed import checked
 from icd_agent.plan_info import PlanInfo
 from icd_agent.presets import PRESETS, best_preset
 from icd_agent.tracking import SubgoalTracker
@@ -163,22 +165,36 @@ class ICDAgent:
             deterministic: not used; draws follow from the seed 0 of every episode.
 
         Raises:
-            EpisodeStateError: the agent was made without ``env``.
+            EpisodeStateError: the agent was made without ``env``, or with another than the one that
+                was observed.
             InvalidOptionError: a batch of several environments.
+            InvalidObservationError: not the environment's dictionary of whole clouds.
         """
         if self._env is None:
             raise EpisodeStateError(
                 "predict() needs the environment's simulator: make the agent with env=..."
             )
-        batched = np.ndim(observation["achieved_goal"]) == 3
-        if batched and len(observation["achieved_goal"]) != 1:
-            count = len(observation["achieved_goal"])
-            raise InvalidOptionError(f"observation holds {count} environments: predict one")
-        single: Any = {key: value[0] if batched else value for key, value in observation.items()}
         unwrapped = self._env.unwrapped
+        goal = unwrapped.goal
+        single, batched = _unbatched(observation, len(goal))
+        if not np.array_equal(single["desired_goal"], goal):
+            raise EpisodeStateError(
+                "observation has another desired_goal than the environment that the agent was made "
+                "with: make it with env=... the one that is observed, and wrap that one"
+            )
         begins = episode_start is not None and np.any(episode_start)
         if begins or not self._ready or unwrapped.snapshot().steps == 0:
             self.reset(unwrapped.episode(simulator=True), seed=0)
             self._ready = True
         action = self.act(single)
         return (action[None] if batched else action), state
+
+
+def _unbatched(observation: object, points: int) -> tuple[Observation, bool]:
+    """An observation of one environment, and whether it was a batch of one."""
+    if not isinstance(observation, Mapping) or np.ndim(observation.get("achieved_goal", ())) != 3:
+        return checked(observation, points), False
+    count = len(observation["achieved_goal"])
+    if count != 1:
+        raise InvalidOptionError(f"observation holds {count} environments: predict one")
+    return checked({name: value[0] for name, value in observation.items()}, points), True

@@ -92,8 +92,10 @@ def load_checkpoint(folder: Path, kind: str, build: Callable[[dict[str, Any]], M
     try:
         model = build(record["config"])
         model.load_state_dict(load(content))
-    except (SafetensorError, RuntimeError, TypeError, ValueError) as error:
-        raise CheckpointError(f"{path} does not fit its config: {error}") from error
+    except (SafetensorError, RuntimeError, TypeError, ValueError, LookupError) as error:
+        raise CheckpointError(
+            f"{path} does not fit its config: {type(error).__name__}: {error}"
+        ) from error
     for name, value in model.state_dict().items():
         if value.is_floating_point() and not bool(value.isfinite().all()):
             raise CheckpointError(f"{path}: {name} is not finite")
@@ -172,7 +174,7 @@ def check_task(about: Mapping[str, Any], env_id: str | None) -> None:
 def _read_config(path: Path) -> dict[str, Any]:
     try:
         record = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise CheckpointError(f"cannot read {path}: {error}") from error
     wanted = {"format": int, "kind": str, "config": dict, "sha256": str, "about": dict}
     if not isinstance(record, dict) or any(

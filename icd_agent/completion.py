@@ -8,15 +8,26 @@ import numpy as np
 from scipy.interpolate import RBFInterpolator
 
 from icd_envs.api import Float32Array, FloatArray, Observation
+from icd_envs.errors import InvalidObservationError
 
 SMOOTHING: Final = 0.01
 """[m] in the material; evens out a depth camera's noise of 2 mm per axis."""
 
 
 def seen_scene(observation: Observation) -> FloatArray:
-    """Points (M, 3) [m] of the present scene that were seen, world frame."""
+    """Points (M, 3) [m] of the present scene that were seen, world frame.
+
+    Raises:
+        InvalidObservationError: none was.
+    """
     mask, scene = observation.get("scene_mask"), observation["scene"]
-    return scene if mask is None else scene[np.asarray(mask) > 0]
+    seen = scene if mask is None else scene[np.asarray(mask) > 0]
+    if not len(seen):
+        raise InvalidObservationError(
+            "scene_mask is 0 everywhere: no point of the scene is seen, and nothing can be planned "
+            "in it; begin where the camera sees some"
+        )
+    return seen
 
 
 class Completion:

@@ -19,6 +19,7 @@ from icd_agent.chain import (
 from icd_agent.completion import Completion
 from icd_agent.mppi.costs import collision_cost, nearest_subgoal_cost, squared_distance
 from icd_agent.mppi.planner import MPPI, MPPIConfig
+from icd_agent.observed import checked
 from icd_agent.options import is_count, is_finite, require
 from icd_agent.plan_info import PlanInfo
 from icd_envs.api import (
@@ -155,9 +156,12 @@ class SubgoalTracker:
 
         Raises:
             EpisodeStateError: before ``reset``.
+            InvalidObservationError: of other clouds than the episode's, not finite, or at its
+                beginning without a point of the scene that is seen.
         """
         if self._episode is None:
             raise EpisodeStateError("act() before reset(): call reset(episode, seed) first")
+        observation = checked(observation, len(self._episode.canonical_cloud))
         chain = self._follow(self._episode, self._completion(observation))
 
         times = [time.perf_counter()]

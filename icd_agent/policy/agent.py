@@ -14,6 +14,7 @@ from icd_agent.completion import Completion, seen_scene
 from icd_agent.field.field import SceneField
 from icd_agent.field.train import KIND as FIELD
 from icd_agent.field.train import load_field
+from icd_agent.observed import checked
 from icd_agent.policy.encoders import Seen
 from icd_agent.policy.look import Look
 from icd_agent.policy.policy import KIND, ChunkPolicy, load_policy
@@ -84,10 +85,12 @@ class ChunkAgent:
 
         Raises:
             EpisodeStateError: before ``reset``.
+            InvalidObservationError: not what an environment observes, not finite, or at the
+                beginning of an episode without a point of the scene that is seen.
         """
         if self._rng is None:
             raise EpisodeStateError(NOT_BEGUN)
-        observation = self._completion(observation)
+        observation = self._completion(checked(observation))
         if self._scenes is None:
             self._scenes = self._look_at(observation)
         config = self.policy.config

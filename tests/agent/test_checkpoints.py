@@ -146,6 +146,11 @@ def test_config_of_something_else_is_refused(
         load_checkpoint(folder, "toy", build)
 
 
+def test_config_without_what_the_network_is_built_from_is_refused(folder: Path) -> None:
+    with pytest.raises(CheckpointError, match="does not fit its config: KeyError: 'outputs'"):
+        load_checkpoint(folder, "toy", lambda config: nn.Linear(4, config["outputs"]))
+
+
 @pytest.mark.parametrize("part", ["data", "training"])
 def test_record_of_the_training_that_is_none_is_refused(folder: Path, part: str) -> None:
     rewrite(folder, about={part: []})

@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from icd_agent.completion import Completion
+from icd_agent.completion import Completion, seen_scene
 from icd_envs.api import Observation
+from icd_envs.errors import InvalidObservationError
 from tests.envs.making import make
 
 STRAIGHT = np.linspace((-0.5, 0.0, 0.0), (0.5, 0.0, 0.0), 101).astype(np.float32)
@@ -53,6 +54,14 @@ def test_if_nothing_is_seen_the_last_guess_stays_and_before_it_the_hand_is_known
     np.testing.assert_allclose(first, STRAIGHT + np.float32(0.2), atol=1e-6)
     known = complete(observed(BENT, everything))["achieved_goal"]
     np.testing.assert_array_equal(complete(observed(BENT, nothing))["achieved_goal"], known)
+
+
+def test_a_scene_of_which_nothing_is_seen_is_refused() -> None:
+    scene = {"scene": BENT, "scene_mask": np.zeros(101)}
+    with pytest.raises(InvalidObservationError, match="scene_mask is 0 everywhere"):
+        seen_scene(scene)  # type: ignore[arg-type]
+    scene["scene_mask"][7] = 1.0
+    np.testing.assert_array_equal(seen_scene(scene), BENT[[7]])  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("env_id", ["ICDCableRouting-v0", "ICDNotebookFolding-v0"])

@@ -28,8 +28,13 @@ from icd_agent.presets import PRESETS, best_preset
 from icd_agent.scene_tokens import TOKENS
 from icd_agent.training.initial import initialise
 from icd_envs.api import Agent, FloatArray
-from icd_envs.errors import CheckpointError, EpisodeStateError, InvalidOptionError
-from icd_envs.wrappers import NoisyObservations
+from icd_envs.errors import (
+    CheckpointError,
+    EpisodeStateError,
+    InvalidObservationError,
+    InvalidOptionError,
+)
+from icd_envs.wrappers import FlattenPointCloud, NoisyObservations, SubsamplePointCloud
 from tests.agent.field.small import SMALL, small_field
 from tests.envs.making import CABLE
 
@@ -254,6 +259,28 @@ def test_predict_says_what_is_missing(env: gym.Env[Any, Any]) -> None:
     two = {name: np.stack([value, value]) for name, value in observation.items()}
     with pytest.raises(InvalidOptionError, match="2 environments"):
         ICDAgent(networks(), env=env).predict(two)
+
+
+def test_predict_refuses_what_another_environment_observes(env: gym.Env[Any, Any]) -> None:
+    other = gym.make(CABLE)
+    mine, theirs = env.reset(seed=3)[0], other.reset(seed=4)[0]
+    agent = ICDAgent(networks(), env=env)
+    with pytest.raises(EpisodeStateError, match="another desired_goal"):
+        agent.predict(theirs)
+    agent.predict(mine)
+    with pytest.raises(InvalidObservationError, match="FlattenPointCloud"):
+        agent.predict(FlattenPointCloud(env).reset(seed=3)[0])  # type: ignore[arg-type]
+    with pytest.raises(InvalidObservationError, match=r"achieved_goal has shape \(50, 3\)"):
+        agent.predict(SubsamplePointCloud(env, 50, 100).reset(seed=3)[0])
+    other.close()
+
+
+def test_predict_takes_noise_and_partial_views() -> None:
+    partial: gym.Env[Any, Any] = gym.make(CABLE, obs_mode="partial")
+    env = NoisyObservations(partial, std=0.005)
+    action, _ = ICDAgent(networks(), env=env).predict(env.reset(seed=3)[0])
+    assert np.isfinite(action).all()
+    env.close()
 
 
 def test_unknown_preset_is_refused() -> None:
