@@ -18,6 +18,7 @@ from benchmarks.console import Values
 from benchmarks.training_progress import training
 from icd_agent.checkpoints import save_checkpoint
 from icd_agent.training.device import check_device
+from icd_agent.training.lock import alone
 from icd_envs.errors import TrainingError
 from icd_envs.wrappers import SubsamplePointCloud
 
@@ -53,9 +54,14 @@ def train(env_id: str, out: Path, *, device: str, steps: int, seed: int) -> Valu
         Names and values for the user.
 
     Raises:
-        IcdError: unusable device, or ``out`` has a state of another run.
+        IcdError: unusable device, or ``out`` is in use or has a state of another run.
     """
     check_device(device)
+    with alone(out):
+        return _train(env_id, out, device=device, steps=steps, seed=seed)
+
+
+def _train(env_id: str, out: Path, *, device: str, steps: int, seed: int) -> Values:
     env = SubsamplePointCloud(
         gym.make(env_id, split="train", disable_env_checker=True),
         object_points=CONFIG.object_points,
@@ -63,7 +69,6 @@ def train(env_id: str, out: Path, *, device: str, steps: int, seed: int) -> Valu
     )
     unwrapped: Any = env.unwrapped
     model = _make(env, 2 * unwrapped.task.max_steps, device, seed)
-    out.mkdir(parents=True, exist_ok=True)
     done = _resume(out / STATE_NAME, model, {"env": env_id, "seed": seed})
     with training(f"sac-her of {env_id}", steps) as seen:
         if done < steps:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, is_dataclass
 from pathlib import Path
@@ -14,6 +13,7 @@ from safetensors import SafetensorError
 from safetensors.torch import load, save
 from torch import nn
 
+from icd_agent.replacing import current, replacing, write_synced
 from icd_agent.weights import weights_name
 from icd_envs.errors import CheckpointError
 
@@ -35,6 +35,8 @@ def save_checkpoint(
 ) -> None:
     """Write a network; the config names the weights' sha256, so that the pair is checked.
 
+    A kill leaves the old pair or the new one.
+
     Args:
         folder: made if it is missing; files of the same names are replaced.
         kind: what the network is, e.g. ``field``.
@@ -46,7 +48,6 @@ def save_checkpoint(
     """
     if not is_dataclass(config) or isinstance(config, type):
         raise TypeError(f"config must be a dataclass, got {config!r}")
-    folder.mkdir(parents=True, exist_ok=True)
     values = {name: x.detach().cpu().contiguous() for name, x in model.state_dict().items()}
     trained = {name for name, _ in model.named_parameters()} if half else set()
     weights = save({name: x.half() if name in trained else x for name, x in values.items()})
@@ -57,8 +58,9 @@ def save_checkpoint(
         "sha256": hashlib.sha256(weights).hexdigest(),
         "about": about,
     }
-    _write(folder / WEIGHTS_NAME, weights)
-    _write(folder / CONFIG_NAME, (json.dumps(record, indent=2) + "\n").encode())
+    with replacing(folder) as new:
+        write_synced(new / WEIGHTS_NAME, weights)
+        write_synced(new / CONFIG_NAME, (json.dumps(record, indent=2) + "\n").encode())
 
 
 def load_checkpoint(folder: Path, kind: str, build: Callable[[dict[str, Any]], ModelT]) -> ModelT:
@@ -73,7 +75,8 @@ def load_checkpoint(folder: Path, kind: str, build: Callable[[dict[str, Any]], M
         CheckpointError: missing, damaged, of another kind or format, or weights that do not fit
             or are not finite; names the file.
     """
-    record = _read_config(folder / CONFIG_NAME)
+    folder = current(folder)
+    record = _read_config(folder)
     if record["format"] != FORMAT or record["kind"] != kind:
         raise CheckpointError(
             f"{folder / CONFIG_NAME} is a {record['kind']!r} of format {record['format']!r}, "
@@ -108,7 +111,7 @@ def weights_sha256(folder: Path) -> str:
     Raises:
         CheckpointError: there is no checkpoint.
     """
-    return str(_read_config(folder / CONFIG_NAME)["sha256"])
+    return str(_read_config(folder)["sha256"])
 
 
 def read_about(folder: Path) -> dict[str, Any]:
@@ -117,7 +120,7 @@ def read_about(folder: Path) -> dict[str, Any]:
     Raises:
         CheckpointError: there is no checkpoint.
     """
-    about: dict[str, Any] = _read_config(folder / CONFIG_NAME)["about"]
+    about: dict[str, Any] = _read_config(folder)["about"]
     return about
 
 
@@ -171,7 +174,8 @@ def check_task(about: Mapping[str, Any], env_id: str | None) -> None:
         )
 
 
-def _read_config(path: Path) -> dict[str, Any]:
+def _read_config(folder: Path) -> dict[str, Any]:
+    path = current(folder) / CONFIG_NAME
     try:
         record = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError) as error:
@@ -185,12 +189,3 @@ def _read_config(path: Path) -> dict[str, Any]:
         if not isinstance(record["about"].get(name, {}), dict):
             raise CheckpointError(f"{path} is damaged: about.{name} must be a dictionary")
     return record
-
-
-def _write(path: Path, content: bytes) -> None:
-    beside = path.with_name(path.name + ".new")
-    with beside.open("wb") as file:
-        file.write(content)
-        file.flush()
-        os.fsync(file.fileno())
-    os.replace(beside, path)

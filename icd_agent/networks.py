@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
@@ -26,6 +27,7 @@ from icd_agent.field.train import load_field
 from icd_agent.latent.model import LatentModel
 from icd_agent.latent.train import KIND as LATENT
 from icd_agent.latent.train import load_latent
+from icd_agent.replacing import current, replacing
 from icd_agent.weights import (
     LOCAL,
     LOCAL_FIELD,
@@ -90,10 +92,11 @@ def load_networks(folder: Path, env_id: str | None = None) -> Networks:
         CheckpointError: missing or damaged weights, of networks that were not trained on one
             another, or of another task than that of ``env_id``.
     """
-    whole = load_field(folder / WHOLE) if (folder / WHOLE).is_dir() else None
+    folder = current(folder)
     field, latent = load_field(folder / FIELD), load_latent(folder / LATENT)
     diffusion = load_diffusion(folder / DIFFUSION)
-    encoded = FIELD if whole is None else WHOLE
+    encoded = _encoded_in(folder)
+    whole = None if encoded == FIELD else load_field(folder / WHOLE)
     for part in (LATENT, DIFFUSION):
         check_made_with(folder / part, FIELD, folder / encoded)
     check_made_with(folder / DIFFUSION, LATENT, folder / LATENT)
@@ -102,6 +105,13 @@ def load_networks(folder: Path, env_id: str | None = None) -> Networks:
     for task in (found.env_id, env_id):
         found.check_task(task)
     return found
+
+
+def _encoded_in(folder: Path) -> str:
+    """Name of the field that was trained with; a ``whole`` of other networks may lie beside."""
+    trained_with = read_about(folder / LATENT).get("data", {}).get(FIELD)
+    alone = not (folder / WHOLE).is_dir() or trained_with == weights_sha256(folder / FIELD)
+    return FIELD if alone else WHOLE
 
 
 def load_shipped(env_id: str) -> Networks:
@@ -119,21 +129,27 @@ def load_shipped(env_id: str) -> Networks:
 
 
 def save_networks(networks: Networks, folder: Path) -> None:
-    """Write the weights and how they were trained; files of the same names are replaced."""
+    """Write the weights and how they were trained, instead of those that are there.
+
+    A kill leaves all of the old networks or all of the new ones.
+    """
 
     def save(part: str, kind: str, network: nn.Module, config: object) -> None:
         about = networks.about.get(part, {})
         if kind != FIELD:  # what it was trained with is saved in other files
             about = {**about, "data": {**about.get("data", {}), **made_with}}
-        save_checkpoint(folder / part, kind, network, config, about)
-        made_with[kind] = weights_sha256(folder / part)
+        save_checkpoint(new / part, kind, network, config, about)
+        made_with[kind] = weights_sha256(new / part)
 
     made_with: dict[str, str] = {}
-    save(FIELD, FIELD, networks.field, networks.field.config)
-    if networks.whole is not None:
-        save(WHOLE, FIELD, networks.whole, networks.whole.config)
-    save(LATENT, LATENT, networks.latent, networks.latent.config)
-    save(DIFFUSION, DIFFUSION, networks.diffusion, networks.diffusion.config)
+    with replacing(folder) as new:
+        save(FIELD, FIELD, networks.field, networks.field.config)
+        if networks.whole is not None:
+            save(WHOLE, FIELD, networks.whole, networks.whole.config)
+        save(LATENT, LATENT, networks.latent, networks.latent.config)
+        save(DIFFUSION, DIFFUSION, networks.diffusion, networks.diffusion.config)
+    if networks.whole is None:
+        shutil.rmtree(folder / WHOLE, ignore_errors=True)
 
 
 def check_fit(networks: Networks) -> None:

@@ -11,6 +11,7 @@ from torch import nn
 
 from icd_agent.checkpoints import save_checkpoint
 from icd_agent.training.config import TrainingConfig
+from icd_agent.training.lock import alone
 from icd_agent.training.loop import Loss, Seen, Trained, train
 
 if TYPE_CHECKING:
@@ -56,10 +57,13 @@ def train_network(
         seen: shows progress.
 
     Raises:
-        TrainingError: see ``icd_agent.training.loop.train``.
+        TrainingError: see ``icd_agent.training.loop.train``, or another training is in ``out``.
     """
     identity = {"network": asdict(network.config), "data": about}
-    trained = train(network.make, loss, training, out, device=device, identity=identity, seen=seen)
-    record = {"data": about, "training": asdict(training), "terms": trained.terms}
-    save_checkpoint(out, network.kind, trained.model, network.config, record, half=network.half)
+    with alone(out):
+        trained = train(
+            network.make, loss, training, out, device=device, identity=identity, seen=seen
+        )
+        record = {"data": about, "training": asdict(training), "terms": trained.terms}
+        save_checkpoint(out, network.kind, trained.model, network.config, record, half=network.half)
     return trained

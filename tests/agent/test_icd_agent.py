@@ -140,6 +140,39 @@ def learned_in(*env_ids: str) -> Networks:
     return networks()._replace(about=about)
 
 
+def test_networks_of_one_field_replace_those_of_two(tmp_path: Path) -> None:
+    ICDAgent(two_fields()).save_pretrained(tmp_path)
+    stale = tmp_path / "whole"
+    shutil.copytree(stale, tmp_path / "kept")
+    ICDAgent(networks(), "paper").save_pretrained(tmp_path)
+    assert not stale.exists()
+    shutil.copytree(tmp_path / "kept", stale)  # as if killed before it was removed
+    assert ICDAgent.from_pretrained(tmp_path, "paper").networks.whole is None
+
+
+@pytest.mark.parametrize("others", [0, 1, 2, 3])
+def test_a_kill_while_networks_are_saved_leaves_some_that_load(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, others: int
+) -> None:
+    saved = []
+
+    def save(folder: Path, *rest: Any) -> None:  # noqa: ANN401
+        if len(saved) == others:
+            raise KeyboardInterrupt
+        saved.append(folder)
+        save_checkpoint(folder, *rest)
+
+    ICDAgent(networks()).save_pretrained(tmp_path)
+    monkeypatch.setattr("icd_agent.networks.save_checkpoint", save)
+    if others < 3:
+        with pytest.raises(KeyboardInterrupt):
+            ICDAgent(learned_in(NOTEBOOK)).save_pretrained(tmp_path)
+    else:
+        ICDAgent(learned_in(NOTEBOOK)).save_pretrained(tmp_path)
+    expected = NOTEBOOK if others == 3 else None
+    assert ICDAgent.from_pretrained(tmp_path).networks.env_id == expected
+
+
 def test_saved_weights_tell_how_they_were_trained_and_keep_their_preset(tmp_path: Path) -> None:
     ICDAgent(learned_in(NOTEBOOK, NOTEBOOK), "paper").save_pretrained(tmp_path)
     about = read_about(tmp_path / "diffusion")
