@@ -8,13 +8,20 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from icd_agent.field.train import load_field
 from icd_agent.policy.agent import ChunkAgent
-from icd_agent.policy.policy import load_policy
-from icd_agent.weights import DIFFUSION_POLICY, LOCAL_FIELD, shipped_folder
+from icd_agent.weights import DIFFUSION_POLICY, shipped_folder
 
 
 def make_diffusion_policy(env_id: str, weights: Path | None = None) -> ChunkAgent:
-    """Build it, with the package's field."""
-    policy = load_policy(weights or shipped_folder(env_id, DIFFUSION_POLICY))
-    return ChunkAgent(policy, load_field(shipped_folder(env_id, LOCAL_FIELD)))
+    """Build it, with the field beside its weights, or else the package's.
+
+    Args:
+        env_id: whose weights of the package.
+        weights: see ``ChunkAgent.from_pretrained``; None is the package's.
+
+    Raises:
+        CheckpointError: missing or damaged weights, or those of another task.
+    """
+    agent = ChunkAgent.from_pretrained(weights or shipped_folder(env_id, DIFFUSION_POLICY))
+    agent.check_task(env_id)
+    return agent

@@ -5,10 +5,19 @@ from __future__ import annotations
 from pathlib import Path
 
 from icd_agent.policy.agent import ChunkAgent
-from icd_agent.policy.policy import load_policy
 from icd_agent.weights import DP3, shipped_folder
 
 
 def make_dp3(env_id: str, weights: Path | None = None) -> ChunkAgent:
-    """Build it."""
-    return ChunkAgent(load_policy(weights or shipped_folder(env_id, DP3)))
+    """Build it.
+
+    Args:
+        env_id: whose weights of the package.
+        weights: see ``ChunkAgent.from_pretrained``; None is the package's.
+
+    Raises:
+        CheckpointError: missing or damaged weights, or those of another task.
+    """
+    agent = ChunkAgent.from_pretrained(weights or shipped_folder(env_id, DP3))
+    agent.check_task(env_id)
+    return agent

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Literal
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -19,6 +20,9 @@ from icd_agent.weights import (
 )
 from icd_envs.api import Episode, Observation
 from icd_envs.errors import InvalidOptionError
+
+if TYPE_CHECKING:
+    from icd_agent.field.field import SceneField
 
 ORACLE_STRIDE = 10
 """Expert steps between subgoals: about one horizon, so that each can be reached in one plan."""
@@ -104,36 +108,56 @@ def make_transferred_global(env_id: str) -> SubgoalTracker:
 def make_vae(env_id: str) -> SubgoalTracker:
     """Build rung 3: oracle subgoals through the autoencoder and back; what fails here is it."""
     from icd_agent.encoded import EncodedSource
+    from icd_agent.field.train import KIND as FIELD
+    from icd_agent.field.train import load_field
     from icd_agent.latent.train import KIND, load_latent
 
     latent = load_latent(shipped_chains(env_id, KIND))
-    return _track_as_icd(EncodedSource(OracleSource(), latent), env_id)
+    field = load_field(shipped_chains(env_id, FIELD))
+    return _track_as_icd(EncodedSource(OracleSource(), latent), field, env_id)
 
 
-def make_retrieved_chain(env_id: str) -> SubgoalTracker:
-    """Build rung 4: the recorded chain nearest to a generated one; what fails are such chains."""
+def make_retrieved_chain(env_id: str, weights: Path | None = None) -> SubgoalTracker:
+    """Build rung 4: the recorded chain nearest to a generated one; what fails are such chains.
+
+    Args:
+        env_id: whose settings, and whose weights of the package.
+        weights: folder of ICD's parts and ``chains``; or of chains alone, as ``icd-bench train
+            bank`` leaves it, of latents of the package. None is the package's.
+
+    Raises:
+        CheckpointError: missing or damaged weights, or such as were not made with one another.
+    """
+    from icd_agent.checkpoints import check_made_with
     from icd_agent.diffused import DiffusedSource
     from icd_agent.diffusion.generate import Generator
     from icd_agent.diffusion.retrieval import KIND, Retriever, load_bank
-    from icd_agent.networks import load_shipped
+    from icd_agent.field.train import KIND as FIELD
+    from icd_agent.latent.train import KIND as LATENT
+    from icd_agent.networks import encoded_part, load_networks
     from icd_agent.presets import PRESETS, best_preset
 
-    networks = load_shipped(env_id)
+    if weights is not None and (weights / KIND).is_dir():
+        folder, bank = weights, weights / KIND
+    else:
+        folder, bank = shipped_chains(env_id), weights or shipped_folder(env_id, KIND)
+    networks = load_networks(folder, env_id)
+    for part, used in ((FIELD, encoded_part(folder)), (LATENT, LATENT)):
+        check_made_with(bank, part, folder / used)
     generator = Generator(networks.diffusion, networks.latent, PRESETS[best_preset(env_id)].chain)
-    retriever = Retriever(generator, load_bank(shipped_folder(env_id, KIND)))
-    return _track_as_icd(DiffusedSource(networks.encoded, networks.latent, retriever), env_id)
+    retriever = Retriever(generator, load_bank(bank))
+    source = DiffusedSource(networks.encoded, networks.latent, retriever)
+    return _track_as_icd(source, networks.encoded, env_id)
 
 
-def _track_as_icd(source: SubgoalSource, env_id: str) -> SubgoalTracker:
+def _track_as_icd(source: SubgoalSource, field: SceneField, env_id: str) -> SubgoalTracker:
     """Follow decoded subgoals: with ICD's tracker, in the field that they were encoded in."""
     from icd_agent.field.space import FieldSpace
-    from icd_agent.field.train import KIND, load_field
     from icd_agent.presets import PRESETS, best_preset
 
     settings = PRESETS[best_preset(env_id)]
     config = replace(settings.tracker, replan_every=None)
-    space = FieldSpace(load_field(shipped_chains(env_id, KIND)))
-    return SubgoalTracker(source, space, preset(settings.mppi), config)
+    return SubgoalTracker(source, FieldSpace(field), preset(settings.mppi), config)
 
 
 def _track_descriptors(

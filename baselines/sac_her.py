@@ -16,7 +16,7 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from icd_agent.checkpoints import load_checkpoint
+from icd_agent.checkpoints import check_task, load_checkpoint, read_about
 from icd_agent.observed import checked
 from icd_agent.options import is_count, require
 from icd_agent.policy.look import evenly
@@ -138,5 +138,11 @@ def load_actor(folder: Path) -> Actor:
 
 
 def make_sac_her(env_id: str, weights: Path | None = None) -> ActorAgent:
-    """Build it."""
-    return ActorAgent(load_actor(weights or shipped_folder(env_id, SAC_HER)))
+    """Build it.
+
+    Raises:
+        CheckpointError: missing or damaged weights, or those of another task.
+    """
+    folder = weights or shipped_folder(env_id, SAC_HER)
+    check_task(read_about(folder), env_id)
+    return ActorAgent(load_actor(folder))

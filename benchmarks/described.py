@@ -104,6 +104,7 @@ def _describe(
     kind: Literal["descriptors", "places"],
 ) -> Described:
     demonstrations = read_demonstrations(env_id, data)
+    data = data.resolve()
     network, weights = load_field(field), weights_sha256(field)
     count = min(episodes, len(demonstrations))
     space = weights if kind == "descriptors" else f"{kind}-{weights}"

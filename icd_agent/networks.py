@@ -95,7 +95,7 @@ def load_networks(folder: Path, env_id: str | None = None) -> Networks:
     folder = current(folder)
     field, latent = load_field(folder / FIELD), load_latent(folder / LATENT)
     diffusion = load_diffusion(folder / DIFFUSION)
-    encoded = _encoded_in(folder)
+    encoded = encoded_part(folder)
     whole = None if encoded == FIELD else load_field(folder / WHOLE)
     for part in (LATENT, DIFFUSION):
         check_made_with(folder / part, FIELD, folder / encoded)
@@ -107,8 +107,17 @@ def load_networks(folder: Path, env_id: str | None = None) -> Networks:
     return found
 
 
-def _encoded_in(folder: Path) -> str:
-    """Name of the field that was trained with; a ``whole`` of other networks may lie beside."""
+def encoded_part(folder: Path) -> str:
+    """Name of the part whose descriptors are encoded: ``whole`` if it is there.
+
+    If the autoencoder tells that it was trained with ``field``, ``whole`` is another agent's.
+
+    Args:
+        folder: of the parts.
+
+    Raises:
+        CheckpointError: missing or damaged weights.
+    """
     trained_with = read_about(folder / LATENT).get("data", {}).get(FIELD)
     alone = not (folder / WHOLE).is_dir() or trained_with == weights_sha256(folder / FIELD)
     return FIELD if alone else WHOLE

@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Final
+from types import MappingProxyType
+from typing import Any, Final
 
 import numpy as np
 import torch
 from torch import Tensor
 
-from icd_agent.checkpoints import save_checkpoint
+from icd_agent.checkpoints import (
+    check_made_with,
+    check_task,
+    read_about,
+    save_checkpoint,
+    trained_for,
+    weights_sha256,
+)
 from icd_agent.completion import Completion, seen_scene
 from icd_agent.field.field import SceneField
 from icd_agent.field.train import KIND as FIELD
@@ -18,6 +27,8 @@ from icd_agent.observed import checked
 from icd_agent.policy.encoders import Seen
 from icd_agent.policy.look import Look
 from icd_agent.policy.policy import KIND, ChunkPolicy, load_policy
+from icd_agent.replacing import current, replacing
+from icd_agent.weights import LOCAL_FIELD, shipped_folder
 from icd_envs.api import Episode, Float32Array, FloatArray, Observation, PlanView
 from icd_envs.errors import EpisodeStateError
 
@@ -36,40 +47,77 @@ class ChunkAgent:
     needs_simulator = False
     needs_oracle = False
 
-    def __init__(self, policy: ChunkPolicy, field: SceneField | None = None) -> None:
+    def __init__(
+        self,
+        policy: ChunkPolicy,
+        field: SceneField | None = None,
+        about: Mapping[str, dict[str, Any]] = MappingProxyType({}),
+    ) -> None:
         """Put together.
 
         Args:
             policy: in evaluation mode.
             field: the one it was trained with; None for policies that see points.
+            about: how they were trained, by the names of their folders.
 
         Raises:
             CheckpointError: they do not fit one another.
         """
         self.policy = policy
         self._field = field
+        self._about = about
         self._look = Look(policy.config, field)
         self._rng: np.random.Generator | None = None
 
     @classmethod
     def from_pretrained(cls, folder: str | Path) -> ChunkAgent:
-        """Load what ``save_pretrained`` has written.
+        """Load what ``save_pretrained`` or ``icd-bench train`` has written.
+
+        Args:
+            folder: of the policy; without a field beside it, a policy that needs one has the
+                package's for the environment that it was trained for.
 
         Raises:
-            CheckpointError: missing or damaged weights.
+            CheckpointError: missing or damaged weights, or of a policy that was trained with
+                another field.
         """
-        policy = load_policy(Path(folder) / KIND)
-        needs_field = policy.config.sees == "key points"
-        return cls(policy, load_field(Path(folder) / FIELD) if needs_field else None)
+        parts = current(Path(folder))
+        place = parts / KIND if (parts / KIND).is_dir() else parts
+        policy, about = load_policy(place), read_about(place)
+        if policy.config.sees != "key points":
+            return cls(policy, None, {KIND: about})
+        seen, env_id = parts / FIELD, trained_for(about)
+        if env_id is not None and not seen.is_dir():
+            seen = shipped_folder(env_id, LOCAL_FIELD)
+        check_made_with(place, FIELD, seen)
+        return cls(policy, load_field(seen), {KIND: about, FIELD: read_about(seen)})
 
     def save_pretrained(self, folder: str | Path) -> None:
-        """Write the weights, for ``from_pretrained``; files of the same names are replaced."""
-        save_checkpoint(Path(folder) / KIND, KIND, self.policy, self.policy.config, {})
-        if self._field is not None:
-            save_checkpoint(Path(folder) / FIELD, FIELD, self._field, self._field.config, {})
+        """Write the weights, for ``from_pretrained``, instead of those that are there."""
+        about, field = self._about.get(KIND, {}), self._field
+        with replacing(Path(folder)) as new:
+            if field is not None:
+                told = self._about.get(FIELD, {})
+                save_checkpoint(new / FIELD, FIELD, field, field.config, told)
+                made_with = {FIELD: weights_sha256(new / FIELD)}
+                about = {**about, "data": {**about.get("data", {}), **made_with}}
+            save_checkpoint(new / KIND, KIND, self.policy, self.policy.config, about)
+
+    def check_task(self, env_id: str) -> None:
+        """Refuse another task of ours than the policy's.
+
+        Raises:
+            CheckpointError: it was trained for another.
+        """
+        check_task(self._about.get(KIND, {}), env_id)
 
     def reset(self, episode: Episode, seed: int) -> None:
-        """Begin an episode; ``seed`` is the only source of randomness."""
+        """Begin an episode; ``seed`` is the only source of randomness.
+
+        Raises:
+            CheckpointError: the policy was trained for another task.
+        """
+        self.check_task(episode.env_id)
         self._rng = np.random.default_rng(seed)
         self._completion = Completion(episode.canonical_cloud)
         self._scenes: tuple[Tensor, Tensor] | None = None

@@ -1,17 +1,23 @@
 from __future__ import annotations
 
+import shutil
 from dataclasses import replace
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
 import pytest
 
-from baselines.ladder import OracleSource, make_oracle_points
+from baselines.ladder import OracleSource, make_oracle_points, make_retrieved_chain
+from benchmarks.registry import Offer, make_agent
 from icd_agent.chain import Placed, PointSpace
 from icd_agent.mppi.presets import PAPER
+from icd_agent.tracking import SubgoalTracker
+from icd_agent.weights import shipped_chains, shipped_folder
 from icd_envs.api import Oracle
-from icd_envs.errors import InvalidOptionError
+from icd_envs.errors import CheckpointError, InvalidOptionError
 from tests.agent.toy_world import ToyWorld, cloud_at
+from tests.envs.making import CABLE
 
 RNG = np.random.default_rng(0)
 
@@ -68,3 +74,18 @@ def test_oracle_points_follow_the_expert_round_the_detour() -> None:
 def test_missing_oracle_is_refused_at_reset() -> None:
     with pytest.raises(InvalidOptionError, match=r"episode\.oracle=None"):
         make_oracle_points().reset(ToyWorld().episode(), 0)
+
+
+def test_retrieved_chains_may_lie_alone_or_beside_their_networks(tmp_path: Path) -> None:
+    chains = shipped_folder(CABLE, "chains")
+    networks = tmp_path / "icd"
+    for part in ("field", "latent", "diffusion"):
+        shutil.copytree(shipped_chains(CABLE, part), networks / part)
+    shutil.copytree(chains, networks / "chains")
+    for folder in (chains, networks):
+        name = f"ladder:retrieved-chain@{folder}"
+        assert isinstance(make_agent(name, Offer(CABLE)), SubgoalTracker)
+    shutil.rmtree(networks / "chains")
+    shutil.copytree(shipped_folder("ICDNotebookFolding-v0", "chains"), networks / "chains")
+    with pytest.raises(CheckpointError, match="chains was trained with the field"):
+        make_retrieved_chain(CABLE, networks)

@@ -248,6 +248,15 @@ def test_latents_and_chains_are_trained_on_one_another(data: Path, trained: Trai
     assert json.loads((kept[0] / "states.json").read_text())["done"] == 2
 
 
+def test_data_may_be_the_working_directory(
+    data: Path, weights: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(data)
+    command = ("train", "latent", "--env", CABLE, "--data", ".", "--field", weights)
+    trained = icd_bench(*command, "--steps", 2, "--out", tmp_path)
+    assert trained.exit_code == 0, trained.stderr
+
+
 def test_latents_are_diagnosed_on_unseen_states(weights: Path, trained: Trained) -> None:
     command = ("diagnose", "latent", "--env", CABLE, "--scenes", 2, "--field", weights)
     found = icd_bench(*command, "--weights", trained.latent, "--json")

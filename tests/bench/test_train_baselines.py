@@ -10,13 +10,15 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
+from baselines.diffusion_policy import make_diffusion_policy
+from baselines.dp3 import make_dp3
 from baselines.global_ndf import make_global_ndf
 from baselines.subgoal_diffuser import compose
+from icd_agent.checkpoints import read_about, trained_for
 from icd_agent.field.train import KIND as FIELD
 from icd_agent.field.train import load_field
 from icd_agent.policy.agent import ChunkAgent
-from icd_agent.policy.policy import load_policy
-from icd_agent.weights import LOCAL_FIELD, shipped_folder
+from icd_envs.errors import CheckpointError
 from tests.bench.test_cli import icd_bench
 from tests.envs.making import CABLE
 
@@ -65,8 +67,15 @@ def test_a_policy_is_trained_and_goes_on(data: Path, tmp_path: Path, name: str) 
     assert about["data"]["solved_only"] is False
     assert ("field" in about["data"]) == (name == "diffusion-policy")
     assert size(tmp_path) < MOST_BYTES
-    field = load_field(shipped_folder(CABLE, LOCAL_FIELD)) if name == "diffusion-policy" else None
-    acts(ChunkAgent(load_policy(tmp_path), field), simulator=False)
+    saved = tmp_path / "saved"
+    ChunkAgent.from_pretrained(tmp_path).save_pretrained(saved)
+    assert trained_for(read_about(saved / "policy")) == CABLE
+    make = {"diffusion-policy": make_diffusion_policy, "dp3": make_dp3}[name]
+    for folder in (tmp_path, saved):
+        acts(ChunkAgent.from_pretrained(folder), simulator=False)
+        acts(make(CABLE, folder), simulator=False)
+        with pytest.raises(CheckpointError, match="its own task"):
+            make("ICDNotebookFolding-v0", folder)
 
 
 def test_subgoal_diffuser_is_trained_and_goes_on(data: Path, tmp_path: Path) -> None:

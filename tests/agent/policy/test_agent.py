@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import torch
 
+from icd_agent.checkpoints import save_checkpoint
 from icd_agent.policy.agent import ChunkAgent
 from icd_agent.policy.encoders import Seen
 from icd_agent.policy.policy import ChunkPolicy
@@ -97,6 +98,14 @@ def test_saved_and_read_back_it_acts_the_same_to_the_bit(
     np.testing.assert_array_equal(actions(first, env), before)
     first.save_pretrained(tmp_path)
     np.testing.assert_array_equal(actions(ChunkAgent.from_pretrained(tmp_path), env), before)
+
+
+def test_a_policy_whose_field_was_replaced_is_refused(tmp_path: Path) -> None:
+    agent("key points").save_pretrained(tmp_path)
+    other = small_field(1)
+    save_checkpoint(tmp_path / "field", "field", other, other.config, {})
+    with pytest.raises(CheckpointError, match="was trained with the field"):
+        ChunkAgent.from_pretrained(tmp_path)
 
 
 def test_episodes_begin_with_reset(env: gym.Env[Any, Any]) -> None:
