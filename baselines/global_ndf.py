@@ -1,7 +1,9 @@
 """Global NDF: ICD on a field that describes the whole scene with one code, as the first NDF does.
 
 The paper's baseline (section V-B, after Simeonov et al., ICRA 2022): everything else is ICD's.
-Where our ICD generates its chains in this field too, they are the same, and only followed in it.
+Where our ICD generates its chains in this field too, the weights are the same, but it encodes exact
+descriptors and this agent those of a baked grid, so that chains differ slightly; here they are
+followed in this field, ICD's in the local one.
 """
 
 from __future__ import annotations
