@@ -103,7 +103,7 @@ SUITES: Final[Mapping[str, Suite]] = MappingProxyType(
             Suite("quick", version=2, tasks=TASKS, episodes=5),
             Suite("paper", version=1, tasks=PAPER_TASKS, episodes=10, repeats=2),
             Suite("full", version=1, tasks=TASKS, episodes=100),
-            Suite("robust", version=2, tasks=ROBUST_TASKS, episodes=20),
+            Suite("robust", version=3, tasks=ROBUST_TASKS, episodes=20),
             Suite("contact", version=2, tasks=CONTACT_TASKS, episodes=20),
             Suite(
                 "validation",

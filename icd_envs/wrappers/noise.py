@@ -22,7 +22,8 @@ SEEN_CLOUDS: Final = ("achieved_goal", "scene")
 class NoisyActions(gym.Wrapper[Any, FloatArray, Any, FloatArray], gym.utils.RecordConstructorArgs):
     """Add Gaussian noise to every action; the agent and its simulator do not know of it.
 
-    ``info["action_clipped"]`` speaks of the noisy action.
+    An action is clipped to [-1, 1] before the noise is added, so that no larger one drowns it, and
+    the sum is clipped by the environment. ``info["action_clipped"]`` speaks of the agent's action.
     """
 
     def __init__(self, env: gym.Env[Any, Any], std: float) -> None:
@@ -55,7 +56,12 @@ class NoisyActions(gym.Wrapper[Any, FloatArray, Any, FloatArray], gym.utils.Reco
         Raises:
             InvalidActionError: if the action is not 3 finite numbers.
         """
-        return super().step(check_action(action) + self._rng.normal(0.0, self._std, 3))
+        wanted = check_action(action)
+        clipped = np.clip(wanted, -1.0, 1.0)
+        noise = self._rng.normal(0.0, self._std, 3)
+        observation, reward, terminated, truncated, info = super().step(clipped + noise)
+        info = {**info, "action_clipped": bool(np.any(clipped != wanted))}
+        return observation, reward, terminated, truncated, info
 
 
 class NoisyObservations(

@@ -73,6 +73,18 @@ def test_action_noise_has_the_size_asked_for() -> None:
     assert np.mean(sent.actions) == pytest.approx(0.5, abs=0.03)
 
 
+@pytest.mark.parametrize("size", [1.5, 1e3, 1e300])
+def test_no_action_is_large_enough_to_drown_the_noise(size: float) -> None:
+    seen = []
+    for action in (np.ones(3), np.full(3, size)):
+        env = NoisyActions(make(num_fixtures=1), 0.3)
+        env.reset(seed=4)
+        steps = [env.step(sign * action) for sign in (1, -1, 1, -1)]
+        seen.append(digest([step[0] for step in steps]))
+        assert {step[4]["action_clipped"] for step in steps} == {action[0] > 1.0}
+    assert seen[0] == seen[1]
+
+
 @pytest.mark.parametrize("obs_mode", ["full", "partial"])
 def test_observation_noise_is_on_the_present_state_only(obs_mode: str) -> None:
     noisy, clean = (
