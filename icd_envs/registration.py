@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 import gymnasium as gym
+from gymnasium.envs.registration import WrapperSpec
 
 ENTRY_POINTS: Final = {
     "ICDCableRouting-v0": "icd_envs.tasks.cable_routing:make_cable_routing",
@@ -15,6 +16,7 @@ ENTRY_POINTS: Final = {
     ),
 }
 ENV_IDS: Final[tuple[str, ...]] = tuple(ENTRY_POINTS)
+OWN_BUDGET: Final = WrapperSpec("OwnBudget", "icd_envs.tasks.budget:take_budget", {})
 
 
 def register_envs() -> None:
@@ -30,4 +32,5 @@ def register_envs() -> None:
                 entry_point=entry_point,
                 order_enforce=False,  # our own error names the fix
                 disable_env_checker=True,  # it breaks once a first step has raised
+                additional_wrappers=(OWN_BUDGET,),
             )

@@ -91,6 +91,8 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
         check_choice("reward_type", reward_type, ("sparse", "dense"))
         check_choice("obs_mode", obs_mode, ("full", "partial"))
         self.task = task
+        self.max_steps = task.max_steps
+        """Control steps to truncation; another number if ``gymnasium.make`` was given one."""
         self.split = split
         self.reward_type = reward_type
         self.obs_mode = obs_mode
@@ -131,7 +133,7 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
     def spec(self, spec: EnvSpec | None) -> None:
         self._spec = spec
         if spec is not None and spec.max_episode_steps is None:
-            spec.max_episode_steps = self.task.max_steps
+            spec.max_episode_steps = self.max_steps
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -207,7 +209,7 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
         )
         reached = self.task.ends_on_success and self._held >= HOLD_STEPS
         terminated = self._diverged or reached
-        truncated = self._steps >= self.task.max_steps
+        truncated = self._steps >= self.max_steps
         return self._copy_observation(), float(reward), terminated, truncated, info
 
     def compute_reward(
@@ -276,7 +278,7 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
             env_id=self.task.env_id,
             action_scale=self.task.action_scale,
             control_period=problem.plant.control_period,
-            max_steps=self.task.max_steps,
+            max_steps=self.max_steps,
             canonical_cloud=self.task.canonical_cloud(),
             gripper_spheres=gripper_spheres(),
             simulator=handle,

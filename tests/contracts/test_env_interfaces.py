@@ -108,17 +108,39 @@ def test_episode_is_truncated_at_its_budget(env: ContactEnv[Any]) -> None:
     wrapped.close()
 
 
-def test_spec_tells_the_budget_and_a_shorter_one_can_be_asked_for(env: ContactEnv[Any]) -> None:
+def test_spec_tells_the_budget(env: ContactEnv[Any]) -> None:
     assert env.spec is not None
     assert env.spec.max_episode_steps == env.episode().max_steps == env.task.max_steps
     again = gym.make(env.spec)
     assert bare(again).task == env.task
     assert bare(again).obs_mode == env.obs_mode
-    short = remake(env, max_episode_steps=3)
-    short.reset(seed=0)
-    assert [short.step(np.zeros(3))[3] for _ in range(3)] == [False, False, True]
-    for made in (again, short):
+    again.close()
+
+
+@pytest.mark.parametrize("change", [-90, 2])
+def test_another_budget_is_the_environments_own(env: ContactEnv[Any], change: int) -> None:
+    budget = env.task.max_steps + change
+    first = remake(env, max_episode_steps=budget)
+    assert first.spec is not None
+    for made in (first, gym.make(first.spec)):
+        assert made is made.unwrapped, "TimeLimit is left around it"
+        made.reset(seed=0)
+        state = bare(made).snapshot()
+        assert made.spec == first.spec
+        assert first.spec.max_episode_steps == bare(made).episode().max_steps == budget
+        bare(made).restore(replace(state, steps=budget - 3))
+        assert [made.step(np.zeros(3))[3] for _ in range(3)] == [False, False, True]
+        bare(made).restore(state)
+        assert made.step(np.zeros(3))[3] is False
         made.close()
+
+
+def test_vectors_of_environments_take_a_budget(env: ContactEnv[Any]) -> None:
+    assert env.spec is not None
+    vector = gym.make_vec(env.spec.id, 1, max_episode_steps=2, **env.spec.kwargs)
+    vector.reset(seed=0)
+    assert [bool(vector.step(np.zeros((1, 3), np.float32))[3][0]) for _ in range(2)] == [0, 1]
+    vector.close()
 
 
 def test_restored_state_brings_the_steps_taken_with_it(env: ContactEnv[Any]) -> None:
