@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from gymnasium import logger
@@ -86,6 +86,10 @@ class Screen:
         if self._mode == "human":
             self.render(plant, goal)
             threading.Event().wait(CONTROL_PERIOD)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All but what is open: a copy opens its own."""
+        return {**self.__dict__, "_renderer": None, "_window": None}
 
     def close(self) -> None:
         """End with this scene: free OpenGL or the window, forget the plan."""

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from types import TracebackType
 from typing import Final, NamedTuple
 
 import mujoco
 import numpy as np
-from mujoco import rollout
 
 from icd_envs.api import Float64Array, FloatArray, Rollout, SimState
 from icd_envs.errors import EpisodeStateError, IncompatibleStateError, InvalidActionError
 from icd_envs.physics.guard import diverged, quiet_mujoco
 from icd_envs.physics.plant import INTEGRATION, Plant
+from icd_envs.physics.threads import RolloutThreads
 from icd_envs.scenes.arena import SUBSTEPS
 
 FULL: Final = mujoco.mjtState.mjSTATE_FULLPHYSICS
@@ -37,7 +36,7 @@ class RolloutSimulator:
     """The environment's own dynamics, rolled out in parallel (``icd_envs.api.Simulator``).
 
     Attributes:
-        model: what is rolled out; may be replaced by one of the same sizes.
+        model: what is rolled out; may be replaced by one of the same sizes, for this one alone.
     """
 
     def __init__(
@@ -45,24 +44,21 @@ class RolloutSimulator:
         plant: Plant,
         snapshot: Callable[[], SimState],
         signed_distance: Callable[[FloatArray], Float64Array],
-        threads: int,
+        threads: RolloutThreads,
     ) -> None:
-        """Share the environment's model.
+        """Share the environment's model and threads.
 
         Args:
             plant: the environment's scene; only its model is used.
             snapshot: returns the environment's state now.
             signed_distance: (M, 3) points [m] -> (M,) [m] to the scene's obstacles.
-            threads: rollout threads, at least 1; results do not depend on it.
+            threads: of the same scene; whoever made them stops them.
         """
         self._plant = plant
         self.model = plant.model
         self._snapshot = snapshot
         self._signed_distance = signed_distance
-        self._scratch = [mujoco.MjData(plant.model) for _ in range(threads)]
-        # With 0 pool threads MuJoCo rolls out on the calling one.
-        self._pool = rollout.Rollout(nthread=threads if threads > 1 else 0)
-        self._closed = False
+        self._threads = threads
 
     def snapshot(self) -> SimState:
         """State of the environment now."""
@@ -78,9 +74,9 @@ class RolloutSimulator:
         Raises:
             InvalidActionError: if ``actions`` is not a finite (K, H, 3) array with K, H >= 1.
             IncompatibleStateError: if the state belongs to another scene or is not finite.
-            EpisodeStateError: after ``close``.
+            EpisodeStateError: once the environment was reset or closed.
         """
-        if self._closed:
+        if self._threads.closed:
             raise EpisodeStateError(
                 "rollout on a simulator that reset or close has stopped: ask the environment's "
                 "episode(simulator=True) for a new one"
@@ -108,9 +104,10 @@ class RolloutSimulator:
         failed = diverged(nodes, trace.end_time, trace.states[:, -1, 0])
         if failed.any():
             # Void, but finite: every entry shows the state the rollout began in.
-            scratch = self._load(state)
-            nodes[failed] = scratch.site_xpos[self._plant.node_sites]
-            gripper[failed] = scratch.qpos[self._plant.gripper_qpos]
+            with self._threads.lock:
+                scratch = self._load(state)
+                nodes[failed] = scratch.site_xpos[self._plant.node_sites]
+                gripper[failed] = scratch.qpos[self._plant.gripper_qpos]
         return Rollout(self._plant.cloud(nodes), gripper.astype(np.float32), failed)
 
     def integrate(self, state: SimState, actions: Float64Array) -> Trace:
@@ -120,41 +117,24 @@ class RolloutSimulator:
             state: where every sample begins; not checked.
             actions: (K, H, 3), clipped to [-1, 1].
         """
-        model, scratch = self.model, self._load(state)
-        initial = np.empty(mujoco.mj_stateSize(model, FULL))
-        mujoco.mj_getState(model, scratch, initial, FULL)
-        warmstart = scratch.qacc_warmstart.copy()
+        model, threads = self.model, self._threads
         # Sensors are read at the start of a physics step: one step more shows the last state.
         control = np.clip(actions, -1.0, 1.0) * self._plant.velocity_scale
         control = np.repeat(control, SUBSTEPS, axis=1)
         control = np.concatenate([control, control[:, -1:]], axis=1)
-        with quiet_mujoco():
-            states, sensors = self._pool.rollout(
-                model, self._scratch, initial, control, initial_warmstart=warmstart
+        initial = np.empty(mujoco.mj_stateSize(model, FULL))
+        with threads.lock, quiet_mujoco():
+            scratch = self._load(state)
+            mujoco.mj_getState(model, scratch, initial, FULL)
+            warmstart = scratch.qacc_warmstart.copy()
+            states, sensors = threads.pool.rollout(
+                model, threads.scratch, initial, control, initial_warmstart=warmstart
             )
         end_time = initial[0] + control.shape[1] * float(model.opt.timestep)
         return Trace(states, sensors, float(end_time))
 
     def _load(self, state: SimState) -> mujoco.MjData:
-        scratch = self._scratch[0]
+        scratch = self._threads.scratch[0]
         mujoco.mj_setState(self.model, scratch, state.physics, INTEGRATION)
         mujoco.mj_kinematics(self.model, scratch)
         return scratch
-
-    def close(self) -> None:
-        """Stop the threads; a second call does nothing."""
-        self._closed = True
-        self._pool.close()
-
-    def __enter__(self) -> RolloutSimulator:
-        """Use as a context manager to stop the threads in the end."""
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        value: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        """Stop the threads."""
-        self.close()

@@ -33,6 +33,7 @@ from icd_envs.geometry.point_cloud import sample_scene
 from icd_envs.geometry.sdf import BoxUnion
 from icd_envs.physics.guard import BOUND
 from icd_envs.physics.simulator import RolloutSimulator
+from icd_envs.physics.threads import RolloutThreads
 from icd_envs.scenes.gripper import gripper_spheres
 from icd_envs.screen import CONTROL_PERIOD, RENDER_MODES, Screen
 from icd_envs.tasks.base import HOLD_STEPS, SceneT, Task
@@ -115,7 +116,7 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
         self.observation_space = spaces.Dict(parts)  # type: ignore[assignment]
         self._spec: EnvSpec | None = None
         self._problem: Problem[SceneT] | None = None
-        self._simulators: list[RolloutSimulator] = []
+        self._threads: dict[int, RolloutThreads] = {}
         self._closed = False
         self._steps = self._held = 0
         self._diverged = False
@@ -262,7 +263,8 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
         Args:
             simulator: hand the simulator out (privileged).
             oracle: hand the expert's solution out (privileged).
-            threads: for the simulator's rollouts; results do not depend on it.
+            threads: for the simulator's rollouts; results do not depend on it. The simulators of
+                one episode share them.
 
         Raises:
             EpisodeStateError: before ``reset`` or after ``close``.
@@ -270,10 +272,12 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
         problem = self._require_problem("episode")
         handle = None
         if simulator:
+            count = max(1, threads)
+            if count not in self._threads:
+                self._threads[count] = RolloutThreads(problem.plant.model, count)
             handle = RolloutSimulator(
-                problem.plant, self.snapshot, self._signed_distance, max(1, threads)
+                problem.plant, self.snapshot, self._signed_distance, self._threads[count]
             )
-            self._simulators.append(handle)
         return Episode(
             env_id=self.task.env_id,
             action_scale=self.task.action_scale,
@@ -349,6 +353,10 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
         self._problem = None
         self._closed = True
 
+    def __getstate__(self) -> dict[str, Any]:
+        """What a copy needs to go on bit for bit; it starts threads of its own when asked."""
+        return {**self.__dict__, "_threads": {}}
+
     def _require_problem(self, call: str) -> Problem[SceneT]:
         if self._closed:
             raise EpisodeStateError(f"{call} after close: make a new environment")
@@ -357,9 +365,9 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
         return self._problem
 
     def _release(self) -> None:
-        for simulator in self._simulators:
-            simulator.close()
-        self._simulators.clear()
+        for threads in self._threads.values():
+            threads.close()
+        self._threads.clear()
         self._screen.close()
 
     def _observe(self, problem: Problem[SceneT]) -> Observation:

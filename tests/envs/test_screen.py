@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from typing import Any
 
 import numpy as np
@@ -83,6 +84,22 @@ def test_person_sees_every_reset_and_step(monkeypatch: pytest.MonkeyPatch) -> No
     assert opened[1].shown == [200]
     env.close()
     assert not opened[1].running
+
+
+@pytest.mark.parametrize("mode", ["rgb_array", "human"])
+def test_copy_opens_its_own(monkeypatch: pytest.MonkeyPatch, mode: str) -> None:
+    fake_viewer.install(monkeypatch)
+    env = make(render_mode=mode)
+    env.reset(seed=0)
+    env.render()
+    opened = env._screen._renderer or env._screen._window
+    other = copy.deepcopy(env)
+    other.render()
+    assert opened is not None
+    assert (env._screen._renderer or env._screen._window) is opened
+    assert (other._screen._renderer or other._screen._window) is not opened
+    other.close()
+    env.close()
 
 
 def test_without_a_display_a_person_is_told_so(monkeypatch: pytest.MonkeyPatch) -> None:

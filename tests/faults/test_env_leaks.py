@@ -65,14 +65,15 @@ def use(env: ContactEnv[Any], seed: int) -> list[weakref.ref[Any]]:
         what belongs to this episode and must go with it.
     """
     env.reset(seed=seed)
-    simulator = env.episode(simulator=True, threads=2).simulator
+    for _ in range(3):
+        simulator = env.episode(simulator=True, threads=2).simulator
     assert simulator is not None
     assert not simulator.rollout(env.snapshot(), np.zeros((4, 2, 3))).diverged.any()
     env.step(np.zeros(3))
     if seed % DRAWN_EVERY == 0:
         with contextlib.suppress(RenderingUnavailableError):
             env.render()
-    parts = [env._problem, plant_of(env), *env._simulators, env._screen._renderer]
+    parts = [env._problem, plant_of(env), *env._threads.values(), env._screen._renderer]
     return [weakref.ref(part) for part in parts if part is not None]
 
 
