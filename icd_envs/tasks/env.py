@@ -221,6 +221,9 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
     ) -> float | Float64Array:
         """Reward from its arguments alone, for single items and batches (relabelling).
 
+        It does not know of divergence: on the step on which the physics diverged, ``step`` pays as
+        for a goal of which nothing is reached, whatever the last good cloud, which is observed.
+
         Args:
             achieved_goal: (N, 3) or (B, N, 3) [m].
             desired_goal: the same shape.
@@ -391,15 +394,16 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
         return {name: value.copy() for name, value in self._shown.items()}  # type: ignore
 
     def _match(self) -> BoolArray:
-        """(F,) parts of the goal that are reached now."""
+        """(F,) parts of the goal that are reached now; none after a divergence."""
         problem = self._require_problem("match")
-        return matched_parts(self.task, problem, self._observation["achieved_goal"])
+        matched = matched_parts(self.task, problem, self._observation["achieved_goal"])
+        return matched & (not self._diverged)
 
     def _info(self, matched: BoolArray, *, action_clipped: bool) -> Info:
         problem = self._require_problem("info")
         common: CommonInfo = {
-            "is_success": bool(matched.all()) and not self._diverged,
-            "complete_rate": 0.0 if self._diverged else float(matched.mean()),
+            "is_success": bool(matched.all()),
+            "complete_rate": float(matched.mean()),
             "diverged": self._diverged,
             "action_clipped": action_clipped,
             "buffer_overflows": problem.plant.buffer_overflows(),

@@ -67,6 +67,24 @@ def test_divergence_ends_the_episode_with_a_finite_observation(
     assert capfd.readouterr() == ("", "")
 
 
+@pytest.mark.parametrize("env_id", ENV_IDS)
+@pytest.mark.parametrize("reward_type", ["sparse", "dense"])
+def test_divergence_is_not_paid_as_success(env_id: str, reward_type: str) -> None:
+    env = make(env_id, reward_type=reward_type)
+    env.reset(seed=0)
+    oracle = env.episode(oracle=True).oracle
+    assert oracle is not None
+    for action in oracle.actions:
+        observation, reward, *_, info = env.step(action)
+    assert info["is_success"]
+    plant_of(env).data.qpos[7] = np.nan
+    after, diverged, *_, info = env.step(np.zeros(3))
+    assert digest([after]) == digest([observation])
+    assert (info["is_success"], info["complete_rate"], info["diverged"]) == (False, 0.0, True)
+    assert diverged == pytest.approx(reward - 1.0)
+    env.close()
+
+
 @pytest.mark.parametrize("velocity", [1.0, 10.0, 1e3, 1e5, 1e8])
 def test_rollouts_diverge_where_steps_do(
     env: ContactEnv[Any], start: SimState, velocity: float
