@@ -30,8 +30,12 @@ class EpisodeStateError(IcdError, RuntimeError):
     """A call out of order: step before reset, after the end of the episode, or after close."""
 
 
+class NoSceneError(EpisodeStateError, AttributeError):
+    """MuJoCo's model or state asked for where there is none: before reset, or after close."""
+
+
 class IncompatibleStateError(IcdError, ValueError):
-    """A snapshot of another environment, version or scene."""
+    """A snapshot of another environment, version or scene, or no snapshot at all."""
 
 
 class SceneGenerationError(IcdError, RuntimeError):

@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from icd_envs.api import Float32Array, Float64Array, FloatArray
+from icd_envs.api import Float32Array, Float64Array, FloatArray, SimState
 from icd_envs.errors import IncompatibleStateError
 from icd_envs.physics.guard import BOUND, quiet_mujoco
 from icd_envs.scenes.arena import SUBSTEPS
@@ -67,6 +67,19 @@ class TrackedSheet:
         left = self.along.between(nodes[..., 0::2, :])
         right = self.along.between(nodes[..., 1::2, :])
         return (left + self.across * (right - left)).astype(np.float32)
+
+
+def check_snapshot(state: object) -> None:
+    """Refuse what is no snapshot at all.
+
+    Raises:
+        IncompatibleStateError: naming its type.
+    """
+    if not isinstance(state, SimState):
+        raise IncompatibleStateError(
+            f"state is of type {type(state).__name__}, expected icd_envs.api.SimState: pass what "
+            "snapshot() returned"
+        )
 
 
 class Plant:

@@ -11,7 +11,7 @@ import numpy as np
 from icd_envs.api import Float64Array, FloatArray, Rollout, SimState
 from icd_envs.errors import EpisodeStateError, IncompatibleStateError, InvalidActionError
 from icd_envs.physics.guard import diverged, quiet_mujoco
-from icd_envs.physics.plant import INTEGRATION, Plant
+from icd_envs.physics.plant import INTEGRATION, Plant, check_snapshot
 from icd_envs.physics.threads import RolloutThreads
 from icd_envs.scenes.arena import SUBSTEPS
 
@@ -73,7 +73,7 @@ class RolloutSimulator:
 
         Raises:
             InvalidActionError: if ``actions`` is not a finite (K, H, 3) array with K, H >= 1.
-            IncompatibleStateError: if the state belongs to another scene or is not finite.
+            IncompatibleStateError: if the state is no snapshot, of another scene or not finite.
             EpisodeStateError: once the environment was reset or closed.
         """
         if self._threads.closed:
@@ -92,6 +92,7 @@ class RolloutSimulator:
             raise InvalidActionError(f"actions has shape {sequences.shape}, expected (K, H, 3)")
         if not np.all(np.isfinite(sequences)):
             raise InvalidActionError("actions holds NaN or infinite values: send finite numbers")
+        check_snapshot(state)
         if state.scene_id != self._plant.scene_id:
             raise IncompatibleStateError(
                 f"state.scene_id is {state.scene_id!r}, this simulator's scene is "

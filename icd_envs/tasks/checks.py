@@ -100,6 +100,23 @@ def stack_parameters(
     return {name: np.array([info[name] for info in infos]) for name in names}
 
 
+def check_reset_options(options: object) -> None:
+    """Refuse every option of ``reset``: no key is known yet.
+
+    Raises:
+        InvalidOptionError: if it is neither None nor an empty mapping.
+    """
+    if options is None:
+        return
+    if not isinstance(options, Mapping):
+        raise InvalidOptionError(
+            f"reset options must be a dictionary, got {options!r} of type "
+            f"{type(options).__name__}: leave options out"
+        )
+    for key in options:
+        raise InvalidOptionError(unknown_name("reset option", key, ()))
+
+
 def check_seed(seed: object) -> int:
     """A reset seed as an int.
 

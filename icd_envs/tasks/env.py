@@ -26,12 +26,12 @@ from icd_envs.api import (
 from icd_envs.errors import (
     EpisodeStateError,
     IncompatibleStateError,
-    InvalidOptionError,
-    unknown_name,
+    NoSceneError,
 )
 from icd_envs.geometry.point_cloud import sample_scene
 from icd_envs.geometry.sdf import BoxUnion
 from icd_envs.physics.guard import BOUND
+from icd_envs.physics.plant import check_snapshot
 from icd_envs.physics.simulator import RolloutSimulator
 from icd_envs.physics.threads import RolloutThreads
 from icd_envs.scenes.gripper import gripper_spheres
@@ -41,6 +41,7 @@ from icd_envs.tasks.checks import (
     check_action,
     check_choice,
     check_goals,
+    check_reset_options,
     check_seed,
     stack_parameters,
 )
@@ -148,14 +149,13 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
 
         Raises:
             InvalidSeedError: if ``seed`` is not an integer in [0, 2**64).
-            InvalidOptionError: on any key in ``options``.
+            InvalidOptionError: on any key in ``options``, or if it is no dictionary.
             EpisodeStateError: after ``close``.
             SceneGenerationError: if no solvable scene was found.
         """
         if self._closed:
             raise EpisodeStateError("reset after close: make a new environment")
-        for key in options or {}:
-            raise InvalidOptionError(unknown_name("reset option", key, ()))
+        check_reset_options(options)
         if seed is not None:
             seed = check_seed(seed)
         super().reset(seed=seed)
@@ -306,10 +306,11 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
         """Return to a state of this scene; what follows is the same bit for bit.
 
         Raises:
-            IncompatibleStateError: if it was taken in another environment or scene.
+            IncompatibleStateError: if it is no snapshot, or of another environment or scene.
             EpisodeStateError: before ``reset`` or after ``close``.
         """
         problem = self._require_problem("restore")
+        check_snapshot(state)
         mine = (self.task.env_id, problem.plant.scene_id)
         if (state.env_id, state.scene_id) != mine:
             raise IncompatibleStateError(
@@ -323,13 +324,21 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
 
     @property
     def model(self) -> mujoco.MjModel:
-        """MuJoCo's model of the present scene, to look at; another one after every reset."""
-        return self._require_problem("model").plant.model
+        """MuJoCo's model of the present scene, to look at; another one after every reset.
+
+        Raises:
+            NoSceneError: before ``reset`` or after ``close``; ``hasattr`` is False then.
+        """
+        return self._require_problem("model", NoSceneError).plant.model
 
     @property
     def data(self) -> mujoco.MjData:
-        """MuJoCo's state of it, to look at; change it by ``step`` and ``restore`` alone."""
-        return self._require_problem("data").plant.data
+        """MuJoCo's state of it, to look at; change it by ``step`` and ``restore`` alone.
+
+        Raises:
+            NoSceneError: as for ``model``.
+        """
+        return self._require_problem("data", NoSceneError).plant.data
 
     @property
     def goal(self) -> Float32Array:
@@ -360,11 +369,13 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
         """What a copy needs to go on bit for bit; it starts threads of its own when asked."""
         return {**self.__dict__, "_threads": {}}
 
-    def _require_problem(self, call: str) -> Problem[SceneT]:
+    def _require_problem(
+        self, call: str, error: type[EpisodeStateError] = EpisodeStateError
+    ) -> Problem[SceneT]:
         if self._closed:
-            raise EpisodeStateError(f"{call} after close: make a new environment")
+            raise error(f"{call} after close: make a new environment")
         if self._problem is None:
-            raise EpisodeStateError(f"{call} before the first reset: call reset(seed=...) first")
+            raise error(f"{call} before the first reset: call reset(seed=...) first")
         return self._problem
 
     def _release(self) -> None:

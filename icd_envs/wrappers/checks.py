@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from numbers import Real
 from typing import Any
 
 import gymnasium as gym
@@ -33,6 +35,11 @@ def box_parts(env: gym.Env[Any, Any], wrapper: str) -> dict[str, spaces.Box]:
         other = sorted(space.spaces.keys() - parts.keys())
         raise InvalidOptionError(f"{wrapper} needs arrays only, {other} are not")
     return parts
+
+
+def is_finite(value: object) -> bool:
+    """Whether it is a number, and neither NaN nor infinite."""
+    return isinstance(value, Real) and math.isfinite(value)
 
 
 def check_part(name: str, value: object, shape: tuple[int, ...]) -> Float32Array:

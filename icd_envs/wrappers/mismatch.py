@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from typing import Any
 
@@ -10,6 +9,7 @@ import gymnasium as gym
 
 from icd_envs.api import Episode
 from icd_envs.errors import InvalidOptionError
+from icd_envs.wrappers.checks import is_finite
 
 
 class MismatchedPlanner(gym.Wrapper[Any, Any, Any, Any], gym.utils.RecordConstructorArgs):
@@ -38,7 +38,7 @@ class MismatchedPlanner(gym.Wrapper[Any, Any, Any, Any], gym.utils.RecordConstru
         """
         factors = {"stiffness": stiffness, "mass": mass, "friction": friction}
         for name, factor in factors.items():
-            if not (math.isfinite(factor) and factor > 0.0):
+            if not (is_finite(factor) and factor > 0.0):
                 raise InvalidOptionError(f"{name} must be finite and > 0, got {factor!r}")
         gym.utils.RecordConstructorArgs.__init__(
             self, stiffness=stiffness, mass=mass, friction=friction

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any, Final
 
 import gymnasium as gym
@@ -11,7 +10,7 @@ import numpy as np
 from icd_envs.api import Float32Array, Float64Array, FloatArray
 from icd_envs.errors import InvalidOptionError
 from icd_envs.tasks.checks import check_action
-from icd_envs.wrappers.checks import box_parts, check_part
+from icd_envs.wrappers.checks import box_parts, check_part, is_finite
 
 ACTION_STREAM: Final = 2
 OBSERVATION_STREAM: Final = 3
@@ -34,7 +33,7 @@ class NoisyActions(gym.Wrapper[Any, FloatArray, Any, FloatArray], gym.utils.Reco
             std: standard deviation of each number.
 
         Raises:
-            InvalidOptionError: if ``std`` is negative or not finite.
+            InvalidOptionError: if ``std`` is no number, negative or not finite.
         """
         gym.utils.RecordConstructorArgs.__init__(self, std=std)
         super().__init__(env)
@@ -82,7 +81,8 @@ class NoisyObservations(
             std: [m] standard deviation of each coordinate.
 
         Raises:
-            InvalidOptionError: if ``std`` is negative or not finite, or ``env`` observes no clouds.
+            InvalidOptionError: if ``std`` is no number, negative or not finite, or ``env``
+                observes no clouds.
         """
         gym.utils.RecordConstructorArgs.__init__(self, std=std)
         super().__init__(env)
@@ -138,7 +138,7 @@ class NoisyObservations(
 
 
 def _check_std(std: float) -> float:
-    if not (math.isfinite(std) and std >= 0.0):
+    if not (is_finite(std) and std >= 0.0):
         raise InvalidOptionError(f"std must be finite and >= 0, got {std!r}")
     return std
 

@@ -74,7 +74,7 @@ def test_agents_without_a_simulator_get_none() -> None:
     assert plant_of(env).model.body_mass[-1] > 0
 
 
-@pytest.mark.parametrize("factor", [0.0, -1.0, float("inf")])
+@pytest.mark.parametrize("factor", [0.0, -1.0, float("inf"), "heavy"])
 def test_impossible_factors_are_refused(factor: float) -> None:
     with pytest.raises(InvalidOptionError, match="mass must be finite and > 0"):
         MismatchedPlanner(make(), mass=factor)

@@ -113,7 +113,7 @@ def test_garbage_is_refused_as_without_noise() -> None:
 
 
 @pytest.mark.parametrize("wrapper", [NoisyActions, NoisyObservations])
-@pytest.mark.parametrize("std", [-1.0, float("nan")])
+@pytest.mark.parametrize("std", [-1.0, float("nan"), "a", None])
 def test_impossible_noise_is_refused(wrapper: type, std: float) -> None:
     with pytest.raises(InvalidOptionError, match="std must be"):
         wrapper(make(), std)

@@ -13,6 +13,7 @@ import torch
 from icd_envs.errors import (
     EpisodeStateError,
     IcdError,
+    IncompatibleStateError,
     InvalidActionError,
     InvalidOptionError,
     InvalidSeedError,
@@ -146,6 +147,41 @@ def test_unknown_reset_option_is_named_and_empty_ones_pass(env: ContactEnv[Any])
     with pytest.raises(InvalidOptionError, match="'num_clips'"):
         env.reset(seed=0, options={"num_clips": 3})
     assert env.observation_space.contains(env.reset(seed=0, options={})[0])
+
+
+@pytest.mark.parametrize("options", [5, "num_clips", ["num_clips"]])
+def test_reset_options_that_are_no_dictionary_are_refused(
+    env: ContactEnv[Any], options: object
+) -> None:
+    before = state_bits(env)
+    with pytest.raises(InvalidOptionError, match="must be a dictionary"):
+        env.reset(seed=0, options=options)  # type: ignore[arg-type]
+    assert state_bits(env) == before
+
+
+@pytest.mark.parametrize("state", [None, 5, np.zeros(3)])
+def test_what_is_no_snapshot_is_refused(env: ContactEnv[Any], state: object) -> None:
+    simulator = env.episode(simulator=True).simulator
+    assert simulator is not None
+    before = state_bits(env)
+    with pytest.raises(IncompatibleStateError, match=r"snapshot\(\)"):
+        env.restore(state)  # type: ignore[arg-type]
+    with pytest.raises(IncompatibleStateError, match=r"snapshot\(\)"):
+        simulator.rollout(state, np.zeros((1, 1, 3)))  # type: ignore[arg-type]
+    assert state_bits(env) == before
+
+
+def test_there_is_no_model_without_a_scene(fresh: gym.Env[Any, Any]) -> None:
+    inner = fresh.unwrapped
+    for name in ("model", "data"):
+        assert not hasattr(inner, name)
+        with pytest.raises(EpisodeStateError, match=r"reset\(seed=\.\.\.\)"):
+            getattr(inner, name)
+    fresh.reset(seed=0)
+    assert hasattr(inner, "model")
+    assert hasattr(inner, "data")
+    fresh.close()
+    assert not hasattr(inner, "model")
 
 
 def test_every_error_is_one_of_ours_and_of_a_builtin_kind() -> None:
