@@ -16,10 +16,9 @@ from icd_envs.demonstrations.experts import find_task
 from icd_envs.demonstrations.header import Header, read_header, shard_path
 from icd_envs.demonstrations.shard import PARAMETER, Arrays, read_shard
 from icd_envs.errors import DemonstrationsError
-from icd_envs.geometry.point_cloud import sample_scene
 from icd_envs.scenes.boxes import Box
 from icd_envs.tasks.base import Task
-from icd_envs.tasks.env import FLOOR_POINTS, SCENE_POINTS
+from icd_envs.tasks.observation import sample_boxes
 from icd_envs.tasks.problem import scene_rng
 
 
@@ -173,7 +172,7 @@ class Demonstrations:
         if not self.same_scene(i, self._task.parameters(scene)):
             raise self._another_version(i, "scene")
         boxes = self._task.boxes(scene)
-        return RecordedScene(scene, boxes, sample_scene(boxes, SCENE_POINTS, FLOOR_POINTS, rng))
+        return RecordedScene(scene, boxes, sample_boxes(boxes, rng))
 
     def same_scene(self, i: int, parameters: Mapping[str, Any]) -> bool:
         """Whether a scene's parameters, by name, are those of the i-th episode."""

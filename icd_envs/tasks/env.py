@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Final, Generic, Literal
+from typing import TYPE_CHECKING, Any, Generic, Literal
 
 import gymnasium as gym
 import numpy as np
@@ -28,9 +28,7 @@ from icd_envs.errors import (
     IncompatibleStateError,
     NoSceneError,
 )
-from icd_envs.geometry.point_cloud import sample_scene
 from icd_envs.geometry.sdf import BoxUnion
-from icd_envs.physics.guard import BOUND
 from icd_envs.physics.plant import check_snapshot
 from icd_envs.physics.simulator import RolloutSimulator
 from icd_envs.physics.threads import RolloutThreads
@@ -45,7 +43,8 @@ from icd_envs.tasks.checks import (
     check_seed,
     stack_parameters,
 )
-from icd_envs.tasks.partial import look, mask_spaces
+from icd_envs.tasks.observation import EpisodeClouds, observation_space, observe, sample_boxes
+from icd_envs.tasks.partial import look
 from icd_envs.tasks.problem import (
     SPLITS,
     Problem,
@@ -61,9 +60,6 @@ if TYPE_CHECKING:
 
 RewardType = Literal["sparse", "dense"]
 ObservationMode = Literal["full", "partial"]
-
-SCENE_POINTS: Final = 1000
-FLOOR_POINTS: Final = 200
 
 Info = dict[str, Any]
 
@@ -102,19 +98,8 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
         self._screen = Screen(render_mode, width, height, camera)
         self.action_space = spaces.Box(-1.0, 1.0, (3,), np.float32)
         cloud = task.canonical_cloud().shape
-        shapes: dict[str, tuple[int, ...]] = {
-            "observation": (6,),
-            "achieved_goal": cloud,
-            "desired_goal": cloud,
-            "scene": (SCENE_POINTS, 3),
-            "goal_scene": (SCENE_POINTS, 3),
-        }
-        parts: dict[str, spaces.Space[Any]] = {
-            name: spaces.Box(-BOUND, BOUND, shape, np.float32) for name, shape in shapes.items()
-        }
-        if obs_mode == "partial":
-            parts.update(mask_spaces(shapes))
-        self.observation_space = spaces.Dict(parts)  # type: ignore[assignment]
+        space = observation_space(cloud, partial=obs_mode == "partial")
+        self.observation_space = space  # type: ignore[assignment]
         self._spec: EnvSpec | None = None
         self._problem: Problem[SceneT] | None = None
         self._threads: dict[int, RolloutThreads] = {}
@@ -168,11 +153,10 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
         self._problem = problem
         self._seed = seed
         self._signed_distance = BoxUnion(boxes)
-        self._scene_cloud = sample_scene(boxes, SCENE_POINTS, FLOOR_POINTS, rng)
-        self._goal_scene_cloud = self._scene_cloud
+        scene = goal_scene = sample_boxes(boxes, rng)
         if problem.goal_scene is not problem.scene:
-            goal_boxes = self.task.boxes(problem.goal_scene)
-            self._goal_scene_cloud = sample_scene(goal_boxes, SCENE_POINTS, FLOOR_POINTS, rng)
+            goal_scene = sample_boxes(self.task.boxes(problem.goal_scene), rng)
+        self._clouds = EpisodeClouds(problem.goal, scene, goal_scene)
         self._steps = self._held = 0
         self._diverged = False
         self._observation = self._observe(problem)
@@ -386,19 +370,11 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
 
     def _observe(self, problem: Problem[SceneT]) -> Observation:
         """The full observation; what is shown of it is kept as well."""
-        plant = problem.plant
-        motion: Float64Array = np.concatenate([plant.gripper(), plant.gripper_velocity()])
-        full: Observation = {
-            "observation": np.clip(motion, -BOUND, BOUND).astype(np.float32),
-            "achieved_goal": plant.points(),
-            "desired_goal": problem.goal,
-            "scene": self._scene_cloud,
-            "goal_scene": self._goal_scene_cloud,
-        }
+        full = observe(problem.plant, self._clouds)
         self._shown: Observation | PartialObservation = full
         if self.obs_mode == "partial":
             rng = sensor_rng(self.split, self._seed, self._steps)
-            self._shown = look(plant.model, plant.data, full, rng)
+            self._shown = look(problem.plant.model, problem.plant.data, full, rng)
         return full
 
     def _copy_observation(self) -> Observation:
