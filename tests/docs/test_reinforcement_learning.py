@@ -8,10 +8,12 @@ import sys
 from pathlib import Path
 
 import gymnasium as gym
+import numpy as np
 import pytest
 
 from icd_envs import ENV_IDS
 from icd_envs.wrappers import SubsamplePointCloud
+from tests.envs.making import make, random_actions
 
 PAGE = (Path(__file__).parents[2] / "docs" / "reinforcement-learning.md").read_text("utf-8")
 
@@ -32,6 +34,19 @@ def test_example_learns_for_a_few_steps() -> None:
     )
     assert done.returncode == 0, done.stderr
     assert done.stdout.split() == ["305", "5"]
+
+
+@pytest.mark.parametrize("env_id", ENV_IDS)
+def test_relabelled_goals_tell_something_in_notebook_folding_only(env_id: str) -> None:
+    env = make(env_id)
+    env.reset(seed=0)
+    steps = [env.step(action) for action in random_actions(0, 40)]
+    clouds = np.stack([step[0]["achieved_goal"] for step in steps])
+    infos = [step[4] for step in steps]
+    now, later = np.triu_indices(len(steps))
+    rewards = env.compute_reward(clouds[now], clouds[later], [infos[i] for i in now])
+    assert set(rewards) == ({0.0, -1.0} if env_id == "ICDNotebookFolding-v0" else {0.0})
+    env.close()
 
 
 @pytest.mark.parametrize("env_id", ENV_IDS)
