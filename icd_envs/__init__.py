@@ -5,8 +5,8 @@ Importing this package registers the environments and loads neither MuJoCo nor t
 
 from __future__ import annotations
 
-from icd_envs.registration import ENV_IDS, register_envs
+from icd_envs.registration import ENV_IDS, register_env, register_envs
 
-__all__ = ["ENV_IDS"]
+__all__ = ["ENV_IDS", "register_env"]
 
 register_envs()

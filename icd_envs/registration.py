@@ -20,17 +20,26 @@ OWN_BUDGET: Final = WrapperSpec("OwnBudget", "icd_envs.tasks.budget:take_budget"
 
 
 def register_envs() -> None:
-    """Register every environment; a second call does nothing.
+    """Register every environment of this package; a second call does nothing."""
+    for env_id, entry_point in ENTRY_POINTS.items():
+        register_env(env_id, entry_point)
+
+
+def register_env(env_id: str, entry_point: str) -> None:
+    """Register an environment built on ``icd_envs.tasks.env.ContactEnv``, ours or your own.
 
     No ``max_episode_steps``: the budget depends on the options of an environment, which keeps it
     itself and shows it in its ``spec``.
+
+    Args:
+        env_id: the ``env_id`` of its task; an id that is registered already stays as it is.
+        entry_point: ``module:name`` of an ``icd_envs.tasks.factory.EnvFactory``.
     """
-    for env_id, entry_point in ENTRY_POINTS.items():
-        if env_id not in gym.registry:
-            gym.register(
-                env_id,
-                entry_point=entry_point,
-                order_enforce=False,  # our own error names the fix
-                disable_env_checker=True,  # it breaks once a first step has raised
-                additional_wrappers=(OWN_BUDGET,),
-            )
+    if env_id not in gym.registry:
+        gym.register(
+            env_id,
+            entry_point=entry_point,
+            order_enforce=False,  # our own error names the fix
+            disable_env_checker=True,  # it breaks once a first step has raised
+            additional_wrappers=(OWN_BUDGET,),
+        )

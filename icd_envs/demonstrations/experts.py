@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Mapping
-from dataclasses import fields, replace
+from dataclasses import fields, is_dataclass, replace
 from types import MappingProxyType
 from typing import Final
+
+import gymnasium as gym
 
 from icd_envs.errors import InvalidOptionError, unknown_name
 from icd_envs.tasks.base import Demonstration, SceneT, Task, run_expert
 from icd_envs.tasks.cable_routing import CableRouting, CableRoutingAdaptation
+from icd_envs.tasks.env import ContactEnv
 from icd_envs.tasks.notebook_folding import NotebookFolding, NotebookFoldingAdaptation
 from icd_envs.tasks.problem import Split, scene_rng
 
@@ -31,20 +35,41 @@ def find_task(env_id: str, options: Mapping[str, object] = NO_OPTIONS) -> Task: 
     """The task behind an environment.
 
     Args:
-        env_id: of the environment.
+        env_id: of the environment: one of ``TASKS``, or of your own as ``gymnasium.make`` takes it,
+            with the module to import, ``my_task:MyTask-v0``, or without once that is imported.
         options: arguments of ``gymnasium.make`` that change scenes and goals, by name.
 
     Raises:
-        InvalidOptionError: on an unknown id or option, or a value that an option cannot take.
+        InvalidOptionError: on an unknown id or option, a value that an option cannot take, or an
+            environment that has no task.
     """
-    if env_id not in TASKS:
-        raise InvalidOptionError(unknown_name("environment id", env_id, TASKS))
-    task = TASKS[env_id]
-    known = tuple(field.name for field in fields(task))  # type: ignore[arg-type]
+    task = TASKS[env_id] if env_id in TASKS else _registered_task(env_id)
+    known = tuple(field.name for field in fields(task)) if is_dataclass(task) else ()
     for name in options:
         if name not in known:
             raise InvalidOptionError(unknown_name(f"option of the task {env_id}:", name, known))
-    return replace(task, **options)  # type: ignore[type-var]
+    return replace(task, **options) if options else task  # type: ignore[type-var]
+
+
+def _registered_task(env_id: str) -> Task:  # type: ignore[type-arg]
+    module, _, name = env_id.rpartition(":")
+    try:
+        if module:
+            importlib.import_module(module)
+        gym.spec(name)
+    except (gym.error.Error, ImportError) as error:
+        raise InvalidOptionError(
+            f"{unknown_name('environment id', env_id, TASKS)} ({error}): to use one of your own, "
+            "import the module that registers it, or name it, as in my_task:MyTask-v0"
+        ) from error
+    env = gym.make(name)
+    env.close()
+    if not isinstance(env.unwrapped, ContactEnv):
+        raise InvalidOptionError(
+            f"environment {env_id!r} is a {type(env.unwrapped).__name__}, which has no task and no "
+            "expert: build it on icd_envs.tasks.env.ContactEnv, see docs/own-task.md"
+        )
+    return env.unwrapped.task
 
 
 def demonstrate(

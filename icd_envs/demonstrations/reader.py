@@ -123,7 +123,9 @@ class Demonstrations:
             for name, array in whole.items()
             if name.startswith(PARAMETER)
         }
-        self._task: Task[Any] = find_task(self.header.env_id, self.header.options)
+        # Data do not say what to import: whoever reads those of their own task imports it before.
+        env_id = self.header.env_id.rpartition(":")[2]
+        self._task: Task[Any] = find_task(env_id, self.header.options)
 
     def __len__(self) -> int:
         """Number of episodes."""
