@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 import torch
 
-from baselines.sac_her import ActorAgent, ActorConfig, load_actor
+from baselines.sac_her import ActorAgent, ActorConfig, load_actor, make_sac_her
 from benchmarks import train_sac
+from icd_agent.weights import SAC_HER, shipped_folder
 from icd_envs.api import Agent
 from icd_envs.errors import CheckpointError, InvalidOptionError, TrainingError
 from icd_envs.wrappers import SubsamplePointCloud
@@ -90,6 +91,11 @@ def test_what_it_learns_is_used_when_it_goes_on(tiny: None, tmp_path: Path) -> N
 def test_wrong_settings_are_refused(wrong: dict[str, Any]) -> None:
     with pytest.raises(InvalidOptionError, match=next(iter(wrong))):
         dataclasses.replace(TINY, **wrong)
+
+
+def test_an_actor_of_another_task_is_refused() -> None:
+    with pytest.raises(CheckpointError, match="ICDNotebookFolding-v0 cannot be used in"):
+        make_sac_her(CABLE, shipped_folder("ICDNotebookFolding-v0", SAC_HER))
 
 
 def test_missing_weights_are_named(tmp_path: Path) -> None:
