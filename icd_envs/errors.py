@@ -31,7 +31,7 @@ class EpisodeStateError(IcdError, RuntimeError):
 
 
 class NoSceneError(EpisodeStateError, AttributeError):
-    """MuJoCo's model or state asked for where there is none: before reset, or after close."""
+    """Model, state or goal asked for where there is none: before reset, or after close."""
 
 
 class IncompatibleStateError(IcdError, ValueError):

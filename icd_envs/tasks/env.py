@@ -326,8 +326,12 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
 
     @property
     def goal(self) -> Float32Array:
-        """(N, 3) [m] the object's cloud at the goal of this episode, as it is observed."""
-        return self._require_problem("goal").goal.copy()
+        """(N, 3) [m] the object's cloud at the goal of this episode, as it is observed.
+
+        Raises:
+            NoSceneError: as for ``model``.
+        """
+        return self._require_problem("goal", NoSceneError).goal.copy()
 
     def render(self) -> NDArray[np.uint8] | Float32Array | None:
         """(height, width, 3) uint8 picture or (height, width) float32 depth [m], or None.

@@ -171,15 +171,16 @@ def test_what_is_no_snapshot_is_refused(env: ContactEnv[Any], state: object) -> 
     assert state_bits(env) == before
 
 
-def test_there_is_no_model_without_a_scene(fresh: gym.Env[Any, Any]) -> None:
+def test_there_is_no_model_or_goal_without_a_scene(fresh: gym.Env[Any, Any]) -> None:
     inner = fresh.unwrapped
-    for name in ("model", "data"):
+    for name in ("model", "data", "goal"):
         assert not hasattr(inner, name)
         with pytest.raises(EpisodeStateError, match=r"reset\(seed=\.\.\.\)"):
             getattr(inner, name)
     fresh.reset(seed=0)
     assert hasattr(inner, "model")
     assert hasattr(inner, "data")
+    assert hasattr(inner, "goal")
     fresh.close()
     assert not hasattr(inner, "model")
 
