@@ -43,7 +43,7 @@ from icd_envs.tasks.checks import (
     check_seed,
     stack_parameters,
 )
-from icd_envs.tasks.observation import EpisodeClouds, observation_space, observe, sample_boxes
+from icd_envs.tasks.observation import SceneClouds, observation_space, observe, sample_boxes
 from icd_envs.tasks.partial import look
 from icd_envs.tasks.problem import (
     SPLITS,
@@ -156,7 +156,7 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
         scene = goal_scene = sample_boxes(boxes, rng)
         if problem.goal_scene is not problem.scene:
             goal_scene = sample_boxes(self.task.boxes(problem.goal_scene), rng)
-        self._clouds = EpisodeClouds(problem.goal, scene, goal_scene)
+        self._clouds = SceneClouds(scene, goal_scene)
         self._steps = self._held = 0
         self._diverged = False
         self._observation = self._observe(problem)
@@ -374,7 +374,7 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
 
     def _observe(self, problem: Problem[SceneT]) -> Observation:
         """The full observation; what is shown of it is kept as well."""
-        full = observe(problem.plant, self._clouds)
+        full = observe(problem.plant, problem.goal, self._clouds)
         self._shown: Observation | PartialObservation = full
         if self.obs_mode == "partial":
             rng = sensor_rng(self.split, self._seed, self._steps)

@@ -50,27 +50,31 @@ def sample_boxes(boxes: list[Box], rng: np.random.Generator) -> Float32Array:
     return sample_scene(boxes, SCENE_POINTS, FLOOR_POINTS, rng)
 
 
-class EpisodeClouds(NamedTuple):
-    """What stays the same in every observation of an episode.
+class SceneClouds(NamedTuple):
+    """What an episode shows of its scenes.
 
     Attributes:
-        goal: (N, 3) [m] object cloud at the goal.
         scene: (1000, 3) [m] of the present scene.
         goal_scene: (1000, 3) [m] of the goal's.
     """
 
-    goal: Float32Array
     scene: Float32Array
     goal_scene: Float32Array
 
 
-def observe(plant: Plant, clouds: EpisodeClouds) -> Observation:
-    """The full observation of a state."""
+def observe(plant: Plant, goal: Float32Array, clouds: SceneClouds) -> Observation:
+    """The full observation of a state.
+
+    Args:
+        plant: the scene in that state.
+        goal: (N, 3) [m] object cloud to reach.
+        clouds: of its scenes.
+    """
     motion: Float64Array = np.concatenate([plant.gripper(), plant.gripper_velocity()])
     return {
         "observation": np.clip(motion, -BOUND, BOUND).astype(np.float32),
         "achieved_goal": plant.points(),
-        "desired_goal": clouds.goal,
+        "desired_goal": goal,
         "scene": clouds.scene,
         "goal_scene": clouds.goal_scene,
     }
