@@ -12,7 +12,7 @@ import pytest
 from baselines.pc_mppi import make_pc_mppi
 from icd_agent.tracking import SubgoalTracker
 from icd_envs.api import Float32Array, Observation, SimState
-from icd_envs.errors import InvalidOptionError
+from icd_envs.errors import InvalidObservationError
 from icd_envs.tasks.base import HOLD_STEPS
 from icd_envs.tasks.env import ContactEnv
 from tests.envs.making import plant_of, random_actions, remake
@@ -107,6 +107,6 @@ def test_planner_names_a_goal_that_is_not_finite(
     observation, agent = env.restore(start), planner()
     agent.reset(env.episode(simulator=True), seed=0)
     goal = np.full_like(observation["desired_goal"], value)
-    with pytest.raises(InvalidOptionError, match="subgoals"):
+    with pytest.raises(InvalidObservationError, match="desired_goal has NaN"):
         agent.act({**observation, "desired_goal": goal})
     assert env.action_space.contains(agent.act(observation))
