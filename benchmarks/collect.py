@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 from benchmarks.conditions import DEFAULT, Condition, TaskSpec
 from benchmarks.errors import IncompatibleResultsError, ResultsError
 from benchmarks.executors import Executor, Retry, Work
-from benchmarks.files import locked, write_atomically
+from benchmarks.files import write_atomically
 from benchmarks.manifest import FILE_NAME as MANIFEST_NAME
 from benchmarks.manifest import continued, describe, read_manifest
 from benchmarks.plan import Job, Plan
@@ -20,6 +20,7 @@ from benchmarks.results import ROWS_NAME
 from benchmarks.rows import Row
 from benchmarks.runner import Watch, unwatched
 from benchmarks.worker import Loss
+from icd_agent.locking import alone
 from icd_envs.demonstrations import find_task
 from icd_envs.demonstrations.header import FILE_NAME, Header, read_header, shard_path
 from icd_envs.demonstrations.recording import record
@@ -83,7 +84,7 @@ def collect(
     plan = Plan((AGENT,), (TaskSpec(header.env_id, condition),), header.episodes, header.seed)
     jobs = plan.jobs()
     shards = [Shard(k, [jobs[i] for i in header.indices(k)]) for k in range(header.shards)]
-    with locked(out):
+    with alone(out, "run", ResultsError):
         _begin(out, header, plan, resume=resume)
         rows, pending = [], []
         for shard in shards:

@@ -13,12 +13,12 @@ from pathlib import Path
 from time import perf_counter
 
 from benchmarks.errors import IncompatibleResultsError, ResultsError, ResultsWarning
-from benchmarks.files import locked
 from benchmarks.manifest import FILE_NAME as MANIFEST_NAME
 from benchmarks.manifest import Manifest, continued, describe, read_manifest
 from benchmarks.plan import JobKey, Plan
 from benchmarks.rows import Row, row_from_record
 from benchmarks.schema import READABLE, SCHEMA
+from icd_agent.locking import alone
 
 ROWS_NAME = "episodes.jsonl"
 
@@ -75,7 +75,7 @@ def open_results(
         ResultsError: not writable, in use, or unexpected results.
         IncompatibleResultsError: results of another plan, code or version.
     """
-    with locked(path):
+    with alone(path, "run", ResultsError):
         begun = describe(plan, settings)
         manifest, rows = _begin(path, begun, resume=resume, allow_mixed=allow_mixed)
         if retry_errors:

@@ -17,8 +17,8 @@ from baselines.sac_her import KIND, Actor, ActorConfig
 from benchmarks.console import Values
 from benchmarks.training_progress import training
 from icd_agent.checkpoints import save_checkpoint
+from icd_agent.locking import alone
 from icd_agent.training.device import check_device
-from icd_agent.training.lock import alone
 from icd_envs.errors import TrainingError
 from icd_envs.wrappers import SubsamplePointCloud
 

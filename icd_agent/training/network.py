@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 from torch import nn
 
 from icd_agent.checkpoints import save_checkpoint
+from icd_agent.locking import alone
 from icd_agent.training.config import TrainingConfig
-from icd_agent.training.lock import alone
 from icd_agent.training.loop import Loss, Seen, Trained, train
 
 if TYPE_CHECKING:

@@ -1,12 +1,11 @@
-"""Files that are whole or not there, folders with one writer."""
+"""Files that are whole or not there."""
 
 import os
 from pathlib import Path
 
 import pytest
 
-from benchmarks.errors import ResultsError
-from benchmarks.files import locked, write_atomically
+from benchmarks.files import write_atomically
 
 
 def test_file_is_replaced_whole(tmp_path: Path) -> None:
@@ -32,21 +31,3 @@ def test_failed_write_leaves_the_old_file_and_nothing_else(
         write_atomically(path, b"new")
     assert path.read_bytes() == b"old"
     assert list(tmp_path.iterdir()) == [path]
-
-
-def test_second_writer_is_refused_until_the_first_is_done(tmp_path: Path) -> None:
-    with (
-        locked(tmp_path / "a" / "b"),
-        pytest.raises(ResultsError, match="in use by another run"),
-        locked(tmp_path / "a" / "b"),
-    ):
-        pass
-    with locked(tmp_path / "a" / "b"):
-        pass
-
-
-def test_folder_that_cannot_be_made_is_explained(tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("")
-    for out in (tmp_path / "file", tmp_path / "file" / "below"):
-        with pytest.raises(ResultsError, match="choose another --out"), locked(out):
-            pass
