@@ -22,6 +22,4 @@ def make_diffusion_policy(env_id: str, weights: Path | None = None) -> ChunkAgen
     Raises:
         CheckpointError: missing or damaged weights, or those of another task.
     """
-    agent = ChunkAgent.from_pretrained(weights or shipped_folder(env_id, DIFFUSION_POLICY))
-    agent.check_task(env_id)
-    return agent
+    return ChunkAgent.from_pretrained(weights or shipped_folder(env_id, DIFFUSION_POLICY), env_id)

@@ -18,6 +18,4 @@ def make_dp3(env_id: str, weights: Path | None = None) -> ChunkAgent:
     Raises:
         CheckpointError: missing or damaged weights, or those of another task.
     """
-    agent = ChunkAgent.from_pretrained(weights or shipped_folder(env_id, DP3))
-    agent.check_task(env_id)
-    return agent
+    return ChunkAgent.from_pretrained(weights or shipped_folder(env_id, DP3), env_id)

@@ -201,12 +201,13 @@ def check_agent(
     """Play a few steps with an agent and say what it does wrong."""
     import_from_working_directory()
     with errors_in_one_line():
-        from benchmarks import agent_check, registry
+        from benchmarks import agent_check
         from benchmarks.attempt import Settings
         from benchmarks.executors import Local
         from benchmarks.tables import print_rows
+        from icd_envs.registration import check_env_id
 
-        registry.check_env_id(env)
+        check_env_id(env)
         executor = Local()
         settings = Settings(executor.threads, act_seconds, 3600.0, device, trust_pickle)
         findings = agent_check.check_agent(agent, env, executor, settings)

@@ -14,7 +14,7 @@ from benchmarks.pulse import Pulse
 from benchmarks.registry import AGENTS, Offer, agent_factory, make_agent, origin
 from benchmarks.worker import Loss
 from icd_envs import ENV_IDS
-from icd_envs.errors import IcdError
+from icd_envs.errors import IcdError, InvalidOptionError
 
 _SECONDS: Final = 300.0
 """[s] that importing an agent may take."""
@@ -60,6 +60,9 @@ def _look(name: str, pulse: Pulse, tasks: Sequence[TaskSpec], settings: Settings
     pulse.doing = "importing it"
     try:
         agent_factory(name, trust_pickle=settings.trust_pickle)
+    except InvalidOptionError as error:
+        return Examined(name, "", str(error))
+    try:
         for task in tasks:
             if task.env not in ENV_IDS:
                 pulse.doing = f"making {task.env}"

@@ -12,11 +12,12 @@ from benchmarks.conditions import DEFAULT, Condition, TaskSpec
 from benchmarks.executors import Executor
 from benchmarks.expert_runs import CopiedGoals, ExpertRuns, RoutesAll
 from benchmarks.plan import Plan
-from benchmarks.registry import agent_factory, check_env_id
+from benchmarks.registry import agent_factory
 from benchmarks.rows import Row
 from benchmarks.runner import Episodes, Watch, episodes, run
 from benchmarks.suites import CONTACT_GOALS
 from icd_envs.errors import InvalidOptionError, unknown_name
+from icd_envs.registration import check_env_id
 
 Bound = float | tuple[float, float]
 

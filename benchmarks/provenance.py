@@ -110,7 +110,7 @@ def source_of_module(module: ModuleType, distribution: str = "") -> str:
 
 def _source_of_script(path: Path) -> str:
     installed = [Path(sysconfig.get_path(kind)) for kind in ("stdlib", "purelib", "platlib")]
-    elsewhere = [*installed, *(_ROOT / name for name in _OURS)]
+    elsewhere = [folder.resolve() for folder in (*installed, *(_ROOT / name for name in _OURS))]
     named = (getattr(module, "__file__", None) for module in list(sys.modules.values()))
     imported = {Path(name).resolve() for name in named if name and os.path.isabs(name)}
     beside = {

@@ -245,28 +245,3 @@ def _sb3_agent(path: Path, *, trust_pickle: bool) -> AgentFactory:
     from benchmarks.sb3_agent import SB3Agent
 
     return partial(SB3Agent, path)
-
-
-def check_env_id(env_id: str) -> None:
-    """Make sure that ``gymnasium.make`` will know the environment.
-
-    Raises:
-        InvalidOptionError: it will not.
-    """
-    import gymnasium
-
-    import icd_envs  # noqa: F401  registers our ids
-
-    module, _, name = env_id.rpartition(":")
-    try:
-        if module:
-            importlib.import_module(module)
-        gymnasium.spec(name)
-    except (Exception, SystemExit) as error:
-        from icd_envs.registration import ENV_IDS
-
-        why = f"{type(error).__name__}: {' '.join(str(error).split())}"
-        hint = "an environment of yours is module:ID, where importing the module registers it"
-        raise InvalidOptionError(
-            f"{unknown_name('env', env_id, ENV_IDS)}; {hint} ({why})"
-        ) from error

@@ -11,6 +11,7 @@ from benchmarks.plan import Plan
 from benchmarks.videos import Choice
 from icd_envs import ENV_IDS
 from icd_envs.errors import InvalidOptionError
+from icd_envs.registration import check_env_id
 
 
 def look_first(
@@ -33,7 +34,7 @@ def look_first(
     if videos:
         check_videos()
     for env_id in plan.envs:
-        registry.check_env_id(env_id)
+        check_env_id(env_id)
     known = not set(plan.envs) - set(ENV_IDS)
     names = [name for name in plan.agents if not (known and name in registry.AGENTS)]
     examined = examine(names, executor, plan.tasks, settings)

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import importlib
 from typing import Final
 
 import gymnasium as gym
 from gymnasium.envs.registration import WrapperSpec
+
+from icd_envs.errors import InvalidOptionError, unknown_name
 
 ENTRY_POINTS: Final = {
     "ICDCableRouting-v0": "icd_envs.tasks.cable_routing:make_cable_routing",
@@ -43,3 +46,25 @@ def register_env(env_id: str, entry_point: str) -> None:
             disable_env_checker=True,  # it breaks once a first step has raised
             additional_wrappers=(OWN_BUDGET,),
         )
+
+
+def check_env_id(env_id: str) -> None:
+    """Make sure that ``gymnasium.make`` will know an environment.
+
+    Args:
+        env_id: its id, or ``module:ID``, where importing the module registers it.
+
+    Raises:
+        InvalidOptionError: it will not.
+    """
+    module, _, name = env_id.rpartition(":")
+    try:
+        if module:
+            importlib.import_module(module)
+        gym.spec(name)
+    except (Exception, SystemExit) as error:
+        why = f"{type(error).__name__}: {' '.join(str(error).split())}"
+        raise InvalidOptionError(
+            f"{unknown_name('environment id', env_id, ENV_IDS)}; one of your own is module:ID, "
+            f"where importing the module registers it ({why})"
+        ) from error

@@ -9,12 +9,13 @@ from typing import Literal
 from benchmarks.conditions import parse_options
 from benchmarks.interrupts import interruptible
 from benchmarks.provenance import cpu_count
-from benchmarks.registry import agent_factory, check_env_id
+from benchmarks.registry import agent_factory
 from benchmarks.watch.browser import BrowserView
 from benchmarks.watch.controls import Controls
 from benchmarks.watch.desktop import DesktopView
 from benchmarks.watch.loop import View, watch
 from benchmarks.watch.session import Session
+from icd_envs.registration import check_env_id
 
 Viewer = Literal["browser", "mujoco"]
 

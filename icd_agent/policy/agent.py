@@ -70,25 +70,27 @@ class ChunkAgent:
         self._rng: np.random.Generator | None = None
 
     @classmethod
-    def from_pretrained(cls, folder: str | Path) -> ChunkAgent:
+    def from_pretrained(cls, folder: str | Path, env_id: str | None = None) -> ChunkAgent:
         """Load what ``save_pretrained`` or ``icd-bench train`` has written.
 
         Args:
             folder: of the policy; without a field beside it, a policy that needs one has the
                 package's for the environment that it was trained for.
+            env_id: where it is to be used, if that is known.
 
         Raises:
-            CheckpointError: missing or damaged weights, or of a policy that was trained with
-                another field.
+            CheckpointError: missing or damaged weights, of a policy that was trained with another
+                field, or of another task than that of ``env_id``.
         """
         parts = current(Path(folder))
         place = parts / KIND if (parts / KIND).is_dir() else parts
         policy, about = load_policy(place), read_about(place)
+        check_task(about, env_id)
         if policy.config.sees != "key points":
             return cls(policy, None, {KIND: about})
-        seen, env_id = parts / FIELD, trained_for(about)
-        if env_id is not None and not seen.is_dir():
-            seen = shipped_folder(env_id, LOCAL_FIELD)
+        seen, trained = parts / FIELD, trained_for(about)
+        if trained is not None and not seen.is_dir():
+            seen = shipped_folder(trained, LOCAL_FIELD)
         check_made_with(place, FIELD, seen)
         return cls(policy, load_field(seen), {KIND: about, FIELD: read_about(seen)})
 
@@ -103,21 +105,13 @@ class ChunkAgent:
                 about = {**about, "data": {**about.get("data", {}), **made_with}}
             save_checkpoint(new / KIND, KIND, self.policy, self.policy.config, about)
 
-    def check_task(self, env_id: str) -> None:
-        """Refuse another task of ours than the policy's.
-
-        Raises:
-            CheckpointError: it was trained for another.
-        """
-        check_task(self._about.get(KIND, {}), env_id)
-
     def reset(self, episode: Episode, seed: int) -> None:
         """Begin an episode; ``seed`` is the only source of randomness.
 
         Raises:
             CheckpointError: the policy was trained for another task.
         """
-        self.check_task(episode.env_id)
+        check_task(self._about.get(KIND, {}), episode.env_id)
         self._rng = np.random.default_rng(seed)
         self._completion = Completion(episode.canonical_cloud)
         self._scenes: tuple[Tensor, Tensor] | None = None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass, replace
 from types import MappingProxyType
@@ -11,6 +10,7 @@ from typing import Final
 import gymnasium as gym
 
 from icd_envs.errors import InvalidOptionError, unknown_name
+from icd_envs.registration import check_env_id
 from icd_envs.tasks.base import Demonstration, SceneT, Task, run_expert
 from icd_envs.tasks.cable_routing import CableRouting, CableRoutingAdaptation
 from icd_envs.tasks.env import ContactEnv
@@ -52,17 +52,8 @@ def find_task(env_id: str, options: Mapping[str, object] = NO_OPTIONS) -> Task: 
 
 
 def _registered_task(env_id: str) -> Task:  # type: ignore[type-arg]
-    module, _, name = env_id.rpartition(":")
-    try:
-        if module:
-            importlib.import_module(module)
-        gym.spec(name)
-    except (gym.error.Error, ImportError) as error:
-        raise InvalidOptionError(
-            f"{unknown_name('environment id', env_id, TASKS)} ({error}): to use one of your own, "
-            "import the module that registers it, or name it, as in my_task:MyTask-v0"
-        ) from error
-    env = gym.make(name)
+    check_env_id(env_id)
+    env = gym.make(env_id)
     env.close()
     if not isinstance(env.unwrapped, ContactEnv):
         raise InvalidOptionError(

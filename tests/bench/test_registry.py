@@ -13,6 +13,7 @@ from benchmarks import registry
 from benchmarks.registry import Offer
 from icd_agent.weights import SAC_HER, shipped_folder
 from icd_envs.errors import CheckpointError, InvalidOptionError
+from icd_envs.registration import check_env_id
 from tests.bench import toy
 
 OFFER = Offer("E-v0", device="cuda:1")
@@ -186,13 +187,13 @@ def test_factory_that_makes_no_agent_is_explained(monkeypatch: pytest.MonkeyPatc
 
 
 def test_env_id_is_checked_before_the_first_episode() -> None:
-    registry.check_env_id(toy.ENV)
+    check_env_id(toy.ENV)
     with pytest.raises(InvalidOptionError, match="did you mean 'ICDCableRouting-v0'"):
-        registry.check_env_id("ICDCableRoutin-v0")
+        check_env_id("ICDCableRoutin-v0")
 
 
 @pytest.mark.parametrize("code", ["raise RuntimeError('no')", "class", "raise SystemExit(3)"])
 def test_env_whose_module_is_broken_is_explained(folder: Path, code: str) -> None:
     (folder / "broken_toy_env.py").write_text(code)
     with pytest.raises(InvalidOptionError, match=r"(Error|SystemExit): "):
-        registry.check_env_id("broken_toy_env:Foo-v0")
+        check_env_id("broken_toy_env:Foo-v0")

@@ -22,7 +22,7 @@ def test_task_of_an_id_is_that_of_its_environment(env_id: str) -> None:
 @pytest.mark.parametrize(
     ("env_id", "message"),
     [
-        ("ICDCableRoutin-v0", "did you mean 'ICDCableRouting-v0'.*import the module"),
+        ("ICDCableRoutin-v0", "did you mean 'ICDCableRouting-v0'.*of your own is module:ID"),
         ("no_such_module:Task-v0", "no_such_module"),
         ("icd_envs:NoSuchTask-v0", "NoSuchTask"),
         ("", "unknown environment id ''"),
