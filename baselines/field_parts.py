@@ -19,24 +19,31 @@ from icd_agent.presets import PRESETS, best_preset
 from icd_agent.tracking import SubgoalTracker
 
 REACH: Final = 0.1
-"""[m] from a surface, over which one part of the field fades and the other begins."""
+"""[m] from a surface, over which the parts of the field fade, or at which they are cut."""
 
 
 class PartOfField(SceneField):
-    """A trained field, of which only what is near to surfaces is left, or only what is far."""
+    """A trained field, of which only what is near to surfaces is left, or only what is far.
 
-    def __init__(self, field: SceneField, part: Literal["near", "far"]) -> None:
+    A part that fades still tells, by the length of its descriptors, how far the surface is.
+    One that is cut says nothing at all beyond the cut.
+    """
+
+    def __init__(
+        self, field: SceneField, part: Literal["near", "far"], *, cut: bool = False
+    ) -> None:
         """Take the weights of another; it stays as it is."""
         super().__init__(field.config)
         self.load_state_dict(field.state_dict())
         self._part = part
+        self._cut = cut
         self.eval()
 
     def query(self, code: SceneCode, points: Tensor) -> FieldOutput:
-        """Ask about points (B, Q, 3) [m]; descriptors fade with the predicted distance."""
+        """Ask about points (B, Q, 3) [m]; descriptors fade, or end, with the predicted distance."""
         found = super().query(code, points)
-        away = self.config.close_scale * found.log_distance.expm1() / REACH
-        far = away.clamp(0.0, 1.0)[..., None]
+        away = self.config.close_scale * found.log_distance.expm1()[..., None] / REACH
+        far = (away >= 1.0).to(away) if self._cut else away.clamp(0.0, 1.0)
         weight = far if self._part == "far" else 1.0 - far
         return found._replace(descriptor=weight * found.descriptor)
 
@@ -59,6 +66,16 @@ def make_near_field(env_id: str) -> SubgoalTracker:
 def make_far_field(env_id: str) -> SubgoalTracker:
     """Build ICD with the far part alone: descriptors fade over the last 10 cm to surfaces."""
     return _follow_in(env_id, lambda field: FieldSpace(PartOfField(field, "far")))
+
+
+def make_near_field_cut(env_id: str) -> SubgoalTracker:
+    """Build ICD with descriptors up to 10 cm from surfaces, and none beyond."""
+    return _follow_in(env_id, lambda field: FieldSpace(PartOfField(field, "near", cut=True)))
+
+
+def make_far_field_cut(env_id: str) -> SubgoalTracker:
+    """Build ICD with descriptors from 10 cm from surfaces on, and none closer to them."""
+    return _follow_in(env_id, lambda field: FieldSpace(PartOfField(field, "far", cut=True)))
 
 
 def _follow_in(env_id: str, make_space: Callable[[SceneField], CostSpace]) -> SubgoalTracker:

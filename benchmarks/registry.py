@@ -49,6 +49,8 @@ AGENTS: dict[str, str] = {
     "ladder:no-places": "baselines.field_parts:make_no_places",
     "ladder:near-field": "baselines.field_parts:make_near_field",
     "ladder:far-field": "baselines.field_parts:make_far_field",
+    "ladder:near-field-cut": "baselines.field_parts:make_near_field_cut",
+    "ladder:far-field-cut": "baselines.field_parts:make_far_field_cut",
     "ladder:transferred-points": "baselines.ladder:make_transferred_points",
     "ladder:transferred-descriptors": "baselines.ladder:make_transferred_descriptors",
     "ladder:transferred-global": "baselines.ladder:make_transferred_global",
