@@ -49,8 +49,9 @@ class Completion:
     def __call__(self, observation: Observation) -> Observation:
         """Return the observation with every point of the object somewhere; call once per step.
 
-        A full observation is returned as it is. Of a partial one, smooth interpolation over the
-        material replaces the object's cloud; if nothing is seen, the last one does.
+        A full observation is returned as it is. Of a partial one the last guess replaces the
+        object's cloud, moved by what is seen to have moved: a smooth interpolation over the
+        material. The first one begins with the object in its own frame, at the hand.
 
         Args:
             observation: not changed.
@@ -58,14 +59,14 @@ class Completion:
         mask = observation.get("achieved_goal_mask")
         if mask is None:
             return observation
-        seen = np.asarray(mask) > 0
-        if seen.any():
-            known = observation["achieved_goal"][seen].astype(np.float64)
-            guess = RBFInterpolator(
-                self._canonical[seen], known, kernel="linear", degree=0, smoothing=SMOOTHING
-            )
-            self._last = guess(self._canonical).astype(np.float32)
-        elif self._last is None:
+        if self._last is None:
             # Nothing is known but the hand that holds it.
             self._last = (self._canonical + observation["observation"][:3]).astype(np.float32)
+        seen = np.asarray(mask) > 0
+        if seen.any():
+            moved = observation["achieved_goal"][seen].astype(np.float64) - self._last[seen]
+            guess = RBFInterpolator(
+                self._canonical[seen], moved, kernel="linear", degree=0, smoothing=SMOOTHING
+            )
+            self._last = (self._last + guess(self._canonical)).astype(np.float32)
         return {**observation, "achieved_goal": self._last}

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 from torch.nn import functional
 
-from icd_agent.field.encoder import SceneCode
+from icd_agent.field.encoder import SceneCode, find_fixtures
 from icd_agent.field.field import SceneField
 from icd_agent.options import is_positive, require
 from icd_envs.api import Float32Array, FloatArray
@@ -130,10 +130,11 @@ class BakedField:
         everything = np.concatenate([scene, np.asarray(object_points, np.float32).reshape(-1, 3)])
         low = everything.min(axis=0) - config.reach
         high = everything.max(axis=0) + config.reach
-        low[2] = scene[:, 2].min()
-        fixture = scene[scene[:, 2] > low[2] + field.config.floor_margin]
+        cloud = torch.from_numpy(np.ascontiguousarray(scene, np.float32))[None]
+        floor, stands = find_fixtures(cloud, field.config.floor_margin)
+        low[2], fixture = floor.item(), scene[stands[0].numpy()]
         with torch.no_grad():
-            code = field.encoder(torch.from_numpy(np.ascontiguousarray(scene, np.float32))[None])
+            code = field.encoder(cloud)
             self._grids = [_Grid(low, high, config.coarse, 0)]
             self._table = _ask(field, code, self._grids[0].points())
             self.evaluated = len(self._table)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import torch
 from torch import Tensor, nn
@@ -12,6 +12,11 @@ from icd_agent.field.neighbours import gather, nearest, spread
 from icd_agent.field.vector_neurons import VectorLeakyReLU, VectorLinear, upward
 from icd_agent.field.whole import Summary
 
+FLAT: Final = 1e-4
+"""[m] by which points of one height may differ."""
+NOISE: Final = 0.02
+"""[m] within which noise may spread the lowest tenth of a scene's points."""
+
 
 class SceneCode(NamedTuple):
     """An encoded scene; it turns and moves with the scene about and along gravity's axis.
@@ -20,7 +25,7 @@ class SceneCode(NamedTuple):
         anchors: (B, A, 3) [m] on surfaces of fixtures, world frame, each far from all before it;
             with the global scope only one, in their middle.
         features: (B, A, 3, C) vectors, in units of the close scale or of none.
-        floor: (B,) [m] height of the lowest scene point.
+        floor: (B,) [m] height of the floor.
     """
 
     anchors: Tensor
@@ -89,11 +94,15 @@ class SceneEncoder(nn.Module):
 def find_fixtures(
     scene: Tensor, margin: float, there: Tensor | None = None
 ) -> tuple[Tensor, Tensor]:
-    """Tell floor from what stands on it.
+    """Tell floor from what stands on it, also where a camera's noise has roughened both.
+
+    Where the lowest points are all at one height, that is the floor. Where they are not, but the
+    lowest tenth lies within what noise may do, the floor is where that tenth ends.
 
     Args:
         scene: (B, M, 3) [m] surface points, world frame.
-        margin: [m] points this close above the lowest one are floor.
+        margin: [m] points this close above the floor are of it; where noise reaches farther, points
+            that it may have raised.
         there: (B, M) bool, points that were seen; None is all.
 
     Returns:
@@ -101,8 +110,15 @@ def find_fixtures(
         scene of bare floor, which has nothing else to hold on to.
     """
     there = torch.ones_like(scene[..., 0], dtype=torch.bool) if there is None else there
-    floor = scene[..., 2].masked_fill(~there, float("inf")).amin(dim=1)
-    fixture = there & (scene[..., 2] > floor[:, None] + margin)
+    height = scene[..., 2].masked_fill(~there, float("nan"))
+    lowest, low, tenth = (
+        torch.nanquantile(height, share, dim=1, interpolation="lower")
+        for share in (0.0, 0.016, 0.1)
+    )
+    rough = (low - lowest > FLAT) & (tenth - lowest < NOISE)
+    floor = torch.where(rough, tenth, lowest)
+    above = torch.where(rough, 4.0 * (tenth - low), 0.0).clamp(min=margin)
+    fixture = there & (scene[..., 2] > (floor + above)[:, None])
     return floor, torch.where(fixture.any(dim=1, keepdim=True), fixture, there)
 
 

@@ -56,6 +56,15 @@ def test_if_nothing_is_seen_the_last_guess_stays_and_before_it_the_hand_is_known
     np.testing.assert_array_equal(complete(observed(BENT, nothing))["achieved_goal"], known)
 
 
+def test_of_a_single_point_that_moved_the_rest_moves_along_and_keeps_its_shape() -> None:
+    complete, one = Completion(STRAIGHT), np.zeros(101, bool)
+    one[70] = True
+    before = complete(observed(BENT, np.ones(101, bool)))["achieved_goal"]
+    step = np.float32((0.01, 0.0, 0.02))
+    after = complete(observed(BENT + step, one))["achieved_goal"]
+    np.testing.assert_allclose(after, before + step, atol=1e-3)
+
+
 def test_a_scene_of_which_nothing_is_seen_is_refused() -> None:
     scene = {"scene": BENT, "scene_mask": np.zeros(101)}
     with pytest.raises(InvalidObservationError, match="scene_mask is 0 everywhere"):
