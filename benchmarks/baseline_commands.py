@@ -103,7 +103,7 @@ def train_sac_her(
     seed: Seed = 0,
     as_json: AsJson = False,
 ) -> None:
-    """Train the baseline SAC with hindsight, in training scenes; needs the extra [rl]."""
+    """Train the baseline SAC with hindsight, in training scenes; needs the extra rl."""
     with errors_in_one_line():
         from icd_envs.errors import InvalidOptionError
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -13,22 +12,9 @@ import gymnasium as gym
 from benchmarks.attempt import RENDERING
 from benchmarks.conditions import TaskSpec
 from benchmarks.pulse import Pulse
-from icd_envs.errors import InvalidOptionError
 from icd_envs.wrappers import RecordEpisodes
 
 Env = gym.Env[Any, Any]
-
-
-def check_videos() -> None:
-    """Make sure that videos can be written.
-
-    Raises:
-        InvalidOptionError: they cannot.
-    """
-    if find_spec("imageio") is None or find_spec("imageio_ffmpeg") is None:
-        raise InvalidOptionError(
-            "videos need imageio: pip install 'implicit-contact-diffuser[video]'"
-        )
 
 
 def in_pictures(task: TaskSpec) -> TaskSpec:

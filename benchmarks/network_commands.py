@@ -268,7 +268,10 @@ def render_episode(
     env: Env,
     out: Annotated[Path, typer.Option(help="PNG file for a strip of pictures, GIF for a film.")],
     options: TaskOptions = None,
-    seed: Seed = 0,
+    seed: Annotated[
+        int,
+        typer.Option(min=0, help="Of scene and agent, as for reset; a row's draws its episode."),
+    ] = 0,
     trust_pickle: TrustPickle = False,
 ) -> None:
     """Draw one test episode."""

@@ -6,12 +6,12 @@ from benchmarks import registry
 from benchmarks.attempt import Settings
 from benchmarks.examination import examine
 from benchmarks.executors import Executor
-from benchmarks.filming import check_videos
 from benchmarks.plan import Plan
 from benchmarks.videos import Choice
 from icd_envs import ENV_IDS
 from icd_envs.errors import InvalidOptionError
 from icd_envs.registration import check_env_id
+from icd_envs.wrappers.video import check_imageio
 
 
 def look_first(
@@ -32,7 +32,7 @@ def look_first(
         InvalidOptionError: an environment or agent cannot be made, or videos cannot.
     """
     if videos:
-        check_videos()
+        check_imageio()
     for env_id in plan.envs:
         check_env_id(env_id)
     known = not set(plan.envs) - set(ENV_IDS)

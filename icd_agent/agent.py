@@ -134,14 +134,24 @@ class ICDAgent:
     def reset(self, episode: Episode, seed: int) -> None:
         """Begin an episode; see ``SubgoalTracker.reset``.
 
+        Args:
+            episode: with a simulator.
+            seed: of all draws in the episode.
+
         Raises:
             CheckpointError: the weights are those of another task.
+            InvalidOptionError: the episode has no simulator.
         """
         self.networks.check_task(episode.env_id)
         self.tracker.reset(episode, seed)
 
     def act(self, observation: Observation) -> Float32Array:
-        """Plan one step: (3,) in [-1, 1]; the first of an episode bakes the scene, seconds."""
+        """Plan one step: (3,) in [-1, 1]; the first of an episode bakes the scene, seconds.
+
+        Raises:
+            EpisodeStateError: called before ``reset``.
+            InvalidObservationError: parts are missing, of another shape, or not finite.
+        """
         return self.tracker.act(observation)
 
     def plan_view(self) -> PlanView | None:
@@ -163,6 +173,9 @@ class ICDAgent:
             episode_start: (1,) whether an episode begins, besides at the first call and whenever
                 ``env`` stands where ``reset`` leaves it.
             deterministic: not used; draws follow from the seed 0 of every episode.
+
+        Returns:
+            (3,) action in [-1, 1], or (1, 3) for a batch of one; and ``state``.
 
         Raises:
             EpisodeStateError: the agent was made without ``env``, or with another than the one that

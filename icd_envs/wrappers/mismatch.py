@@ -49,7 +49,11 @@ class MismatchedPlanner(gym.Wrapper[Any, Any, Any, Any], gym.utils.RecordConstru
     def episode(
         self, *, simulator: bool = False, oracle: bool = False, threads: int = 1
     ) -> Episode:
-        """As the environment's own, but for the dynamics of the simulator."""
+        """As the environment's own, but for the dynamics of the simulator.
+
+        Raises:
+            InvalidOptionError: the environment's simulator is none of this project's.
+        """
         begin = self.env.get_wrapper_attr("episode")
         episode: Episode = begin(simulator=simulator, oracle=oracle, threads=threads)
         if episode.simulator is None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,18 @@ import gymnasium as gym
 
 from icd_envs.api import FloatArray
 from icd_envs.errors import InvalidOptionError, RenderingUnavailableError
+
+
+def check_imageio() -> None:
+    """Make sure that videos can be written.
+
+    Raises:
+        InvalidOptionError: imageio or its ffmpeg is not installed.
+    """
+    if find_spec("imageio") is None or find_spec("imageio_ffmpeg") is None:
+        raise InvalidOptionError(
+            "videos need imageio: pip install 'implicit-contact-diffuser[video]'"
+        )
 
 
 class RecordEpisodes(
@@ -35,7 +48,8 @@ class RecordEpisodes(
             every: record one episode in that many.
 
         Raises:
-            InvalidOptionError: if ``env`` draws no pictures, or ``every`` is below 1.
+            InvalidOptionError: if ``env`` draws no pictures, ``every`` is below 1, or imageio is
+                missing.
         """
         gym.utils.RecordConstructorArgs.__init__(self, folder=folder, name=name, every=every)
         super().__init__(env)
@@ -46,6 +60,7 @@ class RecordEpisodes(
             )
         if every < 1:
             raise InvalidOptionError(f"every must be at least 1, got {every}")
+        check_imageio()
         self._folder, self._name, self._every = Path(folder), name, every
         self._episodes = 0
         self._works = True

@@ -6,10 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks import filming
 from benchmarks.rows import Row
 from benchmarks.videos import FOLDER_NAME, video_path
-from icd_envs.errors import InvalidOptionError
 from tests.bench import toy
 from tests.bench.making import run_toys
 
@@ -69,10 +67,3 @@ def test_environment_without_pictures_is_played_without(tmp_path: Path) -> None:
         rows = run_toys(tmp_path / "out", toy.Drunk, n=2, env=toy.PICTURELESS, videos="first")
     assert rows == plain
     assert [row.status for row in rows] == ["ok", "ok"]
-
-
-def test_missing_extra_is_named_before_anything_runs(monkeypatch: pytest.MonkeyPatch) -> None:
-    filming.check_videos()
-    monkeypatch.setattr(filming, "find_spec", lambda name: None)
-    with pytest.raises(InvalidOptionError, match=r"implicit-contact-diffuser\[video\]"):
-        filming.check_videos()

@@ -13,7 +13,7 @@ from gymnasium.utils.env_checker import check_env
 
 from icd_envs import ENV_IDS
 from icd_envs.errors import InvalidObservationError, InvalidOptionError, RenderingUnavailableError
-from icd_envs.wrappers import FlattenPointCloud, RecordEpisodes, SubsamplePointCloud
+from icd_envs.wrappers import FlattenPointCloud, RecordEpisodes, SubsamplePointCloud, video
 
 
 class Clouds(gym.Env[dict[str, Any], np.ndarray]):
@@ -188,6 +188,12 @@ def test_video_that_breaks_in_the_middle_leaves_no_file_and_the_episode_alone(
     assert env.step(np.zeros(3))[1] == 0.0
     env.close()
     assert list(tmp_path.iterdir()) == []
+
+
+def test_video_needs_imageio(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(video, "find_spec", lambda name: None)
+    with pytest.raises(InvalidOptionError, match=r"implicit-contact-diffuser\[video\]"):
+        RecordEpisodes(Clouds(np.zeros((2, 3))), str(tmp_path))
 
 
 def test_video_needs_pictures(tmp_path: Path) -> None:
