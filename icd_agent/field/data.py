@@ -9,6 +9,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from icd_agent.episodes import sound_episodes
 from icd_agent.field.losses import Truth
 from icd_agent.field.supervision import NEAR_SPREAD, Solid, draw_companions, draw_queries, supervise
 from icd_envs.api import Float32Array
@@ -54,10 +55,16 @@ class FieldData:
     def from_demonstrations(
         cls, demonstrations: Demonstrations, scenes: int, near_spread: float = NEAR_SPREAD
     ) -> FieldData:
-        """The first so many episodes' scenes, drawn again from their seeds (12 ms each)."""
+        """The first so many episodes' scenes, drawn again from their seeds (12 ms each).
+
+        Episodes whose physics diverged are left out: the object was anywhere in them.
+
+        Raises:
+            DemonstrationsError: all diverged.
+        """
         found = []
-        for i in range(min(scenes, len(demonstrations))):
-            scene = demonstrations.scene(i)
+        for i in sound_episodes(demonstrations, scenes):
+            scene = demonstrations.scene(int(i))
             first, last = demonstrations.first_state[i : i + 2]
             states = np.unique(np.linspace(first, last - 1, STATES).astype(int))
             points = demonstrations.points(demonstrations.nodes[states]).reshape(-1, 3)
