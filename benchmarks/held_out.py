@@ -57,7 +57,7 @@ def held_out(env_id: str, scenes: int, *, seed: int, field: Path | None) -> Held
     with TemporaryDirectory() as folder:
         data = Path(folder) / "test"
         collect(header, data, InProcess())
-        states = describe(env_id, data, field, scenes).states
+        states = describe(env_id, data, field, scenes, SPLIT).states
         recorded = Demonstrations(data)
         sound = sound_episodes(recorded, scenes)
         return HeldOut(
