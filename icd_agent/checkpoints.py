@@ -9,6 +9,7 @@ from dataclasses import asdict, is_dataclass
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
+import torch
 from safetensors import SafetensorError
 from safetensors.torch import load, save
 from torch import Tensor, nn
@@ -104,7 +105,8 @@ def load_checkpoint(folder: Path, kind: str, build: Callable[[dict[str, Any]], M
             "get both again"
         )
     try:
-        model = build(record["config"])
+        with torch.random.fork_rng(devices=[]):  # layers draw weights that are replaced at once
+            model = build(record["config"])
         model.load_state_dict(load(content))
     except (SafetensorError, RuntimeError, TypeError, ValueError, LookupError) as error:
         raise CheckpointError(
