@@ -86,7 +86,6 @@ def train(
     """
     check_device(device)
     demonstrations = read_demonstrations(env_id, folder, split)
-    data = FieldData.from_demonstrations(demonstrations, scenes, scales.near)
     about = about_of(demonstrations)
     config = FieldConfig(
         scope,
@@ -94,6 +93,7 @@ def train(
         length_scale=scales.length,
         outlook_scale=scales.outlook,
     )
+    data = FieldData.from_demonstrations(demonstrations, scenes, scales.near, config.floor_margin)
     settings = TrainingConfig(steps=scales.steps, learning_rate=2e-3, seed=seed)
     with training(f"field of {env_id}", scales.steps) as seen:
         trained = train_field(data, config, settings, out, about=about, device=device, seen=seen)
