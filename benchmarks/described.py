@@ -61,20 +61,20 @@ def read_demonstrations(env_id: str, folder: Path, split: Split = "train") -> De
     return demonstrations
 
 
-def about_of(demonstrations: Demonstrations) -> dict[str, Any]:
+def about_of(demonstrations: Demonstrations, episodes: int) -> dict[str, Any]:
     """What demonstrations are, for the record of what is trained on them and for going on with it.
 
     Args:
-        demonstrations: all that are in their folder.
+        demonstrations: all that are in their folder, which may be filled further.
+        episodes: the first so many are used, at most.
 
     Returns:
         JSON: task, options, base seed, split, whether the expert was noisy, ``most_steps`` of an
-        episode, and the sha256 of every pose and action.
+        episode, and the sha256 of the poses and actions of the first so many.
     """
-    header = demonstrations.header
-    digest = hashlib.sha256()
-    for array in (demonstrations.nodes, demonstrations.actions):
-        digest.update(array.tobytes())
+    header, count = demonstrations.header, min(episodes, len(demonstrations))
+    digest = hashlib.sha256(demonstrations.nodes[: demonstrations.first_state[count]].tobytes())
+    digest.update(demonstrations.actions[: demonstrations.first_step[count]].tobytes())
     return {
         "env": header.env_id,
         "options": dict(header.options),
@@ -163,4 +163,4 @@ def _describe(
             episodes=count,
             seen=lambda done: seen(done, {}),
         )
-    return Described(states, {**about_of(demonstrations), "field": weights})
+    return Described(states, {**about_of(demonstrations, episodes), "field": weights})

@@ -86,7 +86,7 @@ def train(
     """
     check_device(device)
     demonstrations = read_demonstrations(env_id, folder, split)
-    about = about_of(demonstrations)
+    about = about_of(demonstrations, scenes)
     config = FieldConfig(
         scope,
         scales.anchors,

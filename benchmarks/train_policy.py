@@ -43,7 +43,7 @@ def train(name: str, order: TrainingOrder, *, solved_only: bool) -> Values:
     """
     check_device(order.device)
     demonstrations = read_demonstrations(order.env_id, order.data, order.split)
-    about = {**about_of(demonstrations), "solved_only": solved_only}
+    about = {**about_of(demonstrations, order.episodes), "solved_only": solved_only}
     field = None
     if name == DIFFUSION_POLICY:
         folder = shipped_folder(order.env_id, LOCAL_FIELD)

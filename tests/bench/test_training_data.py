@@ -53,11 +53,20 @@ def train(name: str, order: TrainingOrder) -> None:
 
 
 def test_data_are_told_by_split_noise_budget_and_content(data: Path, tmp_path: Path) -> None:
-    about = about_of(Demonstrations(data))
+    about = about_of(Demonstrations(data), 2)
     assert json.loads(json.dumps(about)) == about
     assert (about["split"], about["noisy"], about["most_steps"]) == ("train", True, STEPS)
-    other = about_of(Demonstrations(make_folder(tmp_path / "clean", episodes=2, noisy=False)))
+    other = about_of(Demonstrations(make_folder(tmp_path / "clean", episodes=2, noisy=False)), 2)
     assert {name for name in about if about[name] != other[name]} == {"noisy", "sha256"}
+
+
+def test_episodes_that_are_collected_later_do_not_change_what_was_learned_from(
+    data: Path, tmp_path: Path
+) -> None:
+    more = make_folder(tmp_path / "more", episodes=4)
+    first, later = (Demonstrations(folder) for folder in (data, more))
+    assert about_of(later, 2) == about_of(first, 100)
+    assert about_of(later, 3)["sha256"] != about_of(later, 2)["sha256"]
 
 
 @pytest.mark.parametrize("name", ["field", "dp3"])
