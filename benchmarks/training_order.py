@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
-from icd_envs.tasks.problem import Split
+if TYPE_CHECKING:
+    from icd_envs.tasks.problem import Split
 
 
 @dataclass(frozen=True)
