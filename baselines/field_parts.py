@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final, Literal
 
+import torch
 from torch import Tensor
 
 from icd_agent.chain import CostSpace, PointSpace
@@ -33,7 +34,8 @@ class PartOfField(SceneField):
         self, field: SceneField, part: Literal["near", "far"], *, cut: bool = False
     ) -> None:
         """Take the weights of another; it stays as it is."""
-        super().__init__(field.config)
+        with torch.random.fork_rng(devices=[]):  # layers draw weights that are replaced at once
+            super().__init__(field.config)
         self.load_state_dict(field.state_dict())
         self._part = part
         self._cut = cut

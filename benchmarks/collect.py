@@ -11,7 +11,6 @@ from typing import Final, NamedTuple
 from benchmarks.conditions import DEFAULT, Condition, TaskSpec
 from benchmarks.errors import IncompatibleResultsError, ResultsError
 from benchmarks.executors import Executor, Retry, Work
-from benchmarks.files import write_atomically
 from benchmarks.manifest import FILE_NAME as MANIFEST_NAME
 from benchmarks.manifest import continued, describe, read_manifest
 from benchmarks.plan import Job, Plan
@@ -21,6 +20,7 @@ from benchmarks.rows import Row
 from benchmarks.runner import Watch, unwatched
 from benchmarks.worker import Loss
 from icd_agent.locking import alone
+from icd_agent.replacing import write_atomically
 from icd_envs.demonstrations import find_task
 from icd_envs.demonstrations.header import FILE_NAME, Header, read_header, shard_path
 from icd_envs.demonstrations.recording import record

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -21,6 +22,7 @@ from icd_agent.weights import LOCAL_FIELD, shipped_chains, shipped_folder
 from icd_envs.api import Float32Array, FloatArray
 from icd_envs.demonstrations import Demonstrations
 from icd_envs.errors import DemonstrationsError
+from icd_envs.tasks.problem import Split
 
 
 class Described(NamedTuple):
@@ -35,20 +37,58 @@ class Described(NamedTuple):
     about: dict[str, Any]
 
 
-def read_demonstrations(env_id: str, folder: Path) -> Demonstrations:
+def read_demonstrations(env_id: str, folder: Path, split: Split = "train") -> Demonstrations:
     """Read demonstrations that must be of one task.
 
+    Args:
+        env_id: the task.
+        folder: of the demonstrations.
+        split: the scenes that they must be of.
+
     Raises:
-        DemonstrationsError: missing, damaged, or of another task.
+        DemonstrationsError: missing, damaged, of another task or of other scenes.
     """
     demonstrations = Demonstrations(folder)
-    found = demonstrations.header.env_id
-    if found != env_id:
-        raise DemonstrationsError(f"{folder} holds demonstrations of {found}, not {env_id}")
+    header = demonstrations.header
+    if header.env_id != env_id:
+        raise DemonstrationsError(f"{folder} holds demonstrations of {header.env_id}, not {env_id}")
+    if header.split != split:
+        raise DemonstrationsError(
+            f"{folder} has split={header.split!r}, expected {split!r}: what learns from test "
+            "scenes cannot be measured in them: collect others, or say in Python that "
+            f"split={header.split!r} is meant"
+        )
     return demonstrations
 
 
-def describe(env_id: str, data: Path, field: Path | None, episodes: int) -> Described:
+def about_of(demonstrations: Demonstrations, episodes: int) -> dict[str, Any]:
+    """What demonstrations are, for the record of what is trained on them and for going on with it.
+
+    Args:
+        demonstrations: all that are in their folder, which may be filled further.
+        episodes: the first so many are used, at most.
+
+    Returns:
+        JSON: task, options, base seed, split, whether the expert was noisy, ``most_steps`` of an
+        episode, and the sha256 of the poses and actions of the first so many.
+    """
+    header, count = demonstrations.header, min(episodes, len(demonstrations))
+    digest = hashlib.sha256(demonstrations.nodes[: demonstrations.first_state[count]].tobytes())
+    digest.update(demonstrations.actions[: demonstrations.first_step[count]].tobytes())
+    return {
+        "env": header.env_id,
+        "options": dict(header.options),
+        "seed": header.seed,
+        "split": header.split,
+        "noisy": header.noisy,
+        "most_steps": header.steps,
+        "sha256": digest.hexdigest(),
+    }
+
+
+def describe(
+    env_id: str, data: Path, field: Path | None, episodes: int, split: Split = "train"
+) -> Described:
     """Descriptors of recorded states; kept in a folder beside the data, by field.
 
     Args:
@@ -56,6 +96,7 @@ def describe(env_id: str, data: Path, field: Path | None, episodes: int) -> Desc
         data: folder of the demonstrations.
         field: folder of the field; None is the one that the package's chains are generated in.
         episodes: how many are used, at most.
+        split: the scenes that they must be of.
 
     Raises:
         IcdError: missing, damaged or unfitting demonstrations or weights.
@@ -65,10 +106,13 @@ def describe(env_id: str, data: Path, field: Path | None, episodes: int) -> Desc
         return exact_features(network, scene), scene_tokens(network, scene)
 
     folder = shipped_chains(env_id, FIELD) if field is None else field
-    return _describe(env_id, data, folder, episodes, descriptors, "descriptors")
+    demonstrations = read_demonstrations(env_id, data, split)
+    return _describe(demonstrations, data, folder, episodes, descriptors, "descriptors")
 
 
-def describe_places(env_id: str, data: Path, field: Path | None, episodes: int) -> Described:
+def describe_places(
+    env_id: str, data: Path, field: Path | None, episodes: int, split: Split = "train"
+) -> Described:
     """The same with places of the object's points, in the frame that their episode begins in.
 
     Args:
@@ -76,6 +120,7 @@ def describe_places(env_id: str, data: Path, field: Path | None, episodes: int) 
         data: folder of the demonstrations.
         field: folder of the field, which describes scenes; None is the package's local one.
         episodes: how many are used, at most.
+        split: the scenes that they must be of.
 
     Raises:
         IcdError: missing, damaged or unfitting demonstrations or weights.
@@ -90,20 +135,20 @@ def describe_places(env_id: str, data: Path, field: Path | None, episodes: int) 
         return features, tokens
 
     folder = shipped_folder(env_id, LOCAL_FIELD) if field is None else field
-    states, about = _describe(env_id, data, folder, episodes, places, "places")
+    demonstrations = read_demonstrations(env_id, data, split)
+    states, about = _describe(demonstrations, data, folder, episodes, places, "places")
     begun = states.middle[states.first[states.episode]]
     return Described(states._replace(middle=begun), about)
 
 
 def _describe(
-    env_id: str,
+    demonstrations: Demonstrations,
     data: Path,
     field: Path,
     episodes: int,
     look: Callable[[SceneField, Float32Array], tuple[Features, SceneTokens]],
     kind: Literal["descriptors", "places"],
 ) -> Described:
-    demonstrations = read_demonstrations(env_id, data)
     data = data.resolve()
     network, weights = load_field(field), weights_sha256(field)
     count = min(episodes, len(demonstrations))
@@ -118,6 +163,4 @@ def _describe(
             episodes=count,
             seen=lambda done: seen(done, {}),
         )
-    header = demonstrations.header
-    about = {"env": env_id, "options": dict(header.options), "seed": header.seed, "field": weights}
-    return Described(states, about)
+    return Described(states, {**about_of(demonstrations, episodes), "field": weights})

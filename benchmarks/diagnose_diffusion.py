@@ -87,12 +87,12 @@ def diagnose(
     latents = encode_states(states, model)
     rng = np.random.default_rng([seed])
     found = []
-    for i in range(scenes):
+    for i in range(len(seeds)):
         describe = _Describe(load_field(field), model, clouds[i], states.canonical)
         possible = describe(other_runs(env_id, seeds[i], RUNS))
         found.append(_chain(states, latents, possible, describe, i, denoiser, generator, rng))
     return {
-        "scenes": scenes,
+        "scenes": len(seeds),
         **{name: float(np.mean([each[name] for each in found])) for name in found[0]},
     }
 

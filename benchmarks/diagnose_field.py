@@ -18,7 +18,7 @@ from icd_agent.chain import Features
 from icd_agent.field.baked import BakedField
 from icd_agent.field.field import SceneField
 from icd_agent.field.space import exact_features
-from icd_agent.field.supervision import supervise
+from icd_agent.field.supervision import above_floor, supervise
 from icd_agent.mppi.costs import nearest_subgoal_cost, squared_distance
 from icd_agent.mppi.planner import MPPI
 from icd_agent.mppi.presets import preset
@@ -32,8 +32,6 @@ POINTS = 20_000
 """Asked about in every scene."""
 AHEAD = 10
 """Expert steps from a state to the subgoal that plans are ranked by."""
-FLOOR = 0.003
-"""[m] cloud points above this are of fixtures."""
 
 
 def diagnose(env_id: str, scenes: int, *, seed: int, weights: Path | None) -> Values:
@@ -87,8 +85,9 @@ def _truth(
     field: SceneField, scene: Float32Array, solid: BoxUnion, rng: np.random.Generator
 ) -> dict[str, float]:
     answers = {}
+    fixtures = above_floor(scene, field.config.floor_margin)
     for reach in (NEAR_SURFACE, NEAR_GRADIENT):
-        points = rng.choice(scene[scene[:, 2] > FLOOR], POINTS)
+        points = rng.choice(fixtures, POINTS)
         points = points + rng.uniform(-reach, reach, points.shape).astype(np.float32)
         truth = supervise(points, solid)
         kept = (np.abs(truth.distance) < reach) & (points[:, 2] > 0.0)

@@ -57,7 +57,7 @@ def diagnose(
     states = held_out(env_id, scenes, seed=seed, field=field).states
     latents = encode_states(states, model)
     return {
-        "scenes": scenes,
+        "scenes": len(states.success),
         "states": len(states.step),
         "reconstruction_error": _reconstruction(model, states, latents),
         **_reachability(model, states, latents, np.random.default_rng([seed])),

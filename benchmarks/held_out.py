@@ -11,6 +11,7 @@ import numpy as np
 from benchmarks.collect import collect
 from benchmarks.described import describe
 from benchmarks.executors import InProcess
+from icd_agent.episodes import sound_episodes
 from icd_agent.states import EVERY, States
 from icd_envs import ENV_IDS
 from icd_envs.api import Float32Array
@@ -24,7 +25,7 @@ SPLIT: Final[Split] = "test"
 
 
 class HeldOut(NamedTuple):
-    """Episodes in test scenes.
+    """Episodes in test scenes, but those whose physics diverged.
 
     Attributes:
         states: every fifth, described, in memory.
@@ -56,12 +57,13 @@ def held_out(env_id: str, scenes: int, *, seed: int, field: Path | None) -> Held
     with TemporaryDirectory() as folder:
         data = Path(folder) / "test"
         collect(header, data, InProcess())
-        states = describe(env_id, data, field, scenes).states
+        states = describe(env_id, data, field, scenes, SPLIT).states
         recorded = Demonstrations(data)
+        sound = sound_episodes(recorded, scenes)
         return HeldOut(
             states._replace(features=states.features[:].copy()),
-            [int(each) for each in recorded.seeds],
-            [recorded.scene(i).cloud for i in range(scenes)],
+            [int(each) for each in recorded.seeds[sound]],
+            [recorded.scene(int(i)).cloud for i in sound],
         )
 
 

@@ -14,9 +14,9 @@ from typing import Any, Final
 from benchmarks import provenance
 from benchmarks.conditions import TaskSpec, task_from_record
 from benchmarks.errors import IncompatibleResultsError, ResultsError
-from benchmarks.files import write_atomically
 from benchmarks.plan import Plan
 from benchmarks.schema import READABLE, SCHEMA, upgraded_manifest
+from icd_agent.replacing import write_atomically
 
 FILE_NAME = "manifest.json"
 

@@ -12,6 +12,7 @@ from benchmarks.figures import Colours, new_figure, save_figure
 from icd_agent.diffused import DiffusedSource
 from icd_agent.diffusion.generate import Generator
 from icd_agent.field.space import ExactFieldSpace
+from icd_agent.field.supervision import above_floor
 from icd_agent.mppi.costs import squared_distance
 from icd_agent.networks import load_networks, load_shipped
 from icd_agent.presets import PRESETS
@@ -26,8 +27,6 @@ if TYPE_CHECKING:
 
 COLUMNS: Final = 4
 """Of two rows of subgoals that are drawn as objects."""
-FLOOR: Final = 0.003
-"""[m] cloud points above this are of fixtures."""
 
 
 def render(env_id: str, out: Path, *, seed: int, weights: Path | None) -> None:
@@ -71,7 +70,7 @@ def render(env_id: str, out: Path, *, seed: int, weights: Path | None) -> None:
     nearest = squared_distance(made[:, None], placed.here(clouds))[:, 0].argmin(axis=1)
 
     colours = Colours(np.concatenate([done, made]).reshape(-1, made.shape[-1]))
-    fixtures = scene[scene[:, 2] > FLOOR]
+    fixtures = above_floor(scene, networks.field.config.floor_margin)
     everything = np.concatenate([fixtures, places.reshape(-1, 3)])
     box = np.stack([everything.min(axis=0), everything.max(axis=0)])
     half = COLUMNS // 2

@@ -12,6 +12,7 @@ from benchmarks.fields import field_in_test_scenes
 from benchmarks.figures import Colours, new_figure, save_figure
 from icd_agent.field.baked import CHUNK
 from icd_agent.field.field import FieldOutput, SceneField
+from icd_agent.field.supervision import above_floor
 from icd_envs.api import Float32Array, FloatArray
 from icd_envs.tasks.env import ContactEnv
 
@@ -27,19 +28,14 @@ MARGIN: Final = 0.08
 """[m] around the fixtures that a slice shows."""
 BELOW = 0.75
 """Share of the median height of surfaces, which is often just that of a table's top."""
-FLOOR: Final = 0.003
-"""[m] cloud points above this are of fixtures."""
 
 
 class _Scene(NamedTuple):
-    """A test scene: its cloud (M, 3) and the expert's object clouds (T, N, 3), [m]."""
+    """A test scene: its cloud (M, 3), its fixtures' (F, 3) and the object's (T, N, 3), [m]."""
 
     cloud: Float32Array
+    fixtures: FloatArray
     states: Float32Array
-
-    @property
-    def fixtures(self) -> Float32Array:
-        return self.cloud[self.cloud[:, 2] > FLOOR]
 
 
 def render(env_id: str, out: Path, *, seed: int, weights: Path | None) -> None:
@@ -57,7 +53,7 @@ def render(env_id: str, out: Path, *, seed: int, weights: Path | None) -> None:
     """
     figure = new_figure(out, (13, 10))
     with field_in_test_scenes(env_id, weights) as (field, env):
-        scenes = [_draw_scene(env, i) for i in (seed, seed + 1)]
+        scenes = [_draw_scene(env, i, field.config.floor_margin) for i in (seed, seed + 1)]
     objects = [_ask(field, scene.cloud, scene.states[::10].reshape(-1, 3)) for scene in scenes]
     colours = Colours(np.concatenate([found.descriptor[0].numpy() for found in objects]))
     for place, upright in ((1, False), (2, True)):
@@ -69,11 +65,12 @@ def render(env_id: str, out: Path, *, seed: int, weights: Path | None) -> None:
     save_figure(figure, out)
 
 
-def _draw_scene(env: ContactEnv[Any], seed: int) -> _Scene:
+def _draw_scene(env: ContactEnv[Any], seed: int, margin: float) -> _Scene:
     observation, _ = env.reset(seed=seed)
     oracle = env.episode(oracle=True).oracle
     assert oracle is not None
-    return _Scene(observation["scene"], oracle.points)
+    cloud = observation["scene"]
+    return _Scene(cloud, above_floor(cloud, margin), oracle.points)
 
 
 def _ask(field: SceneField, cloud: Float32Array, points: FloatArray) -> FieldOutput:

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Literal
 
 from benchmarks.errors import ResultsError
-from benchmarks.files import write_atomically
 from benchmarks.report.collected import Collected, collect
 from benchmarks.report.summaries import summaries
 from benchmarks.videos import Choice
+from icd_agent.replacing import write_atomically
 
 Form = Literal["table", "json", "markdown", "latex"]
 

@@ -13,12 +13,20 @@ from icd_agent.field.train import KIND as FIELD
 from icd_agent.latent.train import KIND as LATENT
 from icd_agent.latent.train import load_latent
 from icd_agent.weights import shipped_chains
+from icd_envs.tasks.problem import Split
 
 CHAINS = 300
 
 
 def bank(
-    env_id: str, data: Path, out: Path, *, field: Path | None, latent: Path | None, episodes: int
+    env_id: str,
+    data: Path,
+    out: Path,
+    *,
+    field: Path | None,
+    latent: Path | None,
+    episodes: int,
+    split: Split = "train",
 ) -> Values:
     """Describe and encode recorded states, keep chains of them.
 
@@ -29,6 +37,7 @@ def bank(
         field: folder of the field; None is the package's.
         latent: folder of the autoencoder; None is the package's.
         episodes: how many are looked at, at most.
+        split: the scenes that the demonstrations must be of.
 
     Returns:
         Names and values for the user.
@@ -41,7 +50,7 @@ def bank(
     latent = shipped / LATENT if latent is None else latent
     check_made_with(latent, FIELD, field)
     network = load_latent(latent)
-    states, about = describe(env_id, data, field, episodes)
+    states, about = describe(env_id, data, field, episodes, split)
     kept = make_bank(states, encode_states(states, network), CHAINS)
     about = {**about, "latent": weights_sha256(latent), "episodes": len(states.success)}
     save_checkpoint(out, KIND, kept, kept.config, {"data": about})

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Final, Literal, NamedTuple
 
 from benchmarks.console import Values
-from benchmarks.described import read_demonstrations
+from benchmarks.described import about_of, read_demonstrations
 from benchmarks.training_progress import training
 from icd_agent.field.config import FieldConfig
 from icd_agent.field.data import FieldData
@@ -15,6 +15,7 @@ from icd_agent.field.train import train_field
 from icd_agent.training.config import TrainingConfig
 from icd_agent.training.device import check_device
 from icd_agent.weights import weights_name
+from icd_envs.tasks.problem import Split
 
 SCENES: Final = 1500
 """Episodes whose scenes a field is trained on, at most."""
@@ -62,6 +63,7 @@ def train(
     device: str,
     scenes: int,
     seed: int,
+    split: Split = "train",
 ) -> Values:
     """Read demonstrations, train, save.
 
@@ -74,6 +76,7 @@ def train(
         device: where to train.
         scenes: episodes whose scenes are used, at most.
         seed: of initial weights and data.
+        split: the scenes that the demonstrations must be of.
 
     Returns:
         Names and values for the user.
@@ -82,16 +85,15 @@ def train(
         IcdError: demonstrations of another task, unusable device, see also ``train_field``.
     """
     check_device(device)
-    demonstrations = read_demonstrations(env_id, folder)
-    header = demonstrations.header
-    data = FieldData.from_demonstrations(demonstrations, scenes, scales.near)
-    about = {"env": env_id, "options": dict(header.options), "seed": header.seed}
+    demonstrations = read_demonstrations(env_id, folder, split)
+    about = about_of(demonstrations, scenes)
     config = FieldConfig(
         scope,
         scales.anchors,
         length_scale=scales.length,
         outlook_scale=scales.outlook,
     )
+    data = FieldData.from_demonstrations(demonstrations, scenes, scales.near, config.floor_margin)
     settings = TrainingConfig(steps=scales.steps, learning_rate=2e-3, seed=seed)
     with training(f"field of {env_id}", scales.steps) as seen:
         trained = train_field(data, config, settings, out, about=about, device=device, seen=seen)

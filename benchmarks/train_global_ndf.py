@@ -39,7 +39,8 @@ def train(order: TrainingOrder, *, field_steps: int | None, latent_steps: int) -
         device=order.device,
         scenes=min(order.episodes, train_field.SCENES),
         seed=order.seed,
+        split=order.split,
     )
-    described = describe(order.env_id, order.data, order.out / FIELD, order.episodes)
+    described = describe(order.env_id, order.data, order.out / FIELD, order.episodes, order.split)
     chains = fit_chains(described, order, latent_steps=latent_steps)
     return {**{f"field_{name}": field[name] for name in ("loss", "iou", "cosine")}, **chains}

@@ -31,7 +31,7 @@ def latent(order: TrainingOrder, *, field: Path | None) -> Values:
         IcdError: unfitting data or weights, unusable device, see also ``train_latent``.
     """
     check_device(order.device)
-    described = describe(order.env_id, order.data, field, order.episodes)
+    described = describe(order.env_id, order.data, field, order.episodes, order.split)
     trained = fit_latent(described, order)
     return _values(order, trained, described.about)
 
@@ -55,7 +55,7 @@ def diffusion(order: TrainingOrder, *, field: Path | None, latent: Path | None) 
     field = shipped / FIELD if field is None else field
     latent = shipped / LATENT if latent is None else latent
     check_made_with(latent, FIELD, field)
-    described = describe(order.env_id, order.data, field, order.episodes)
+    described = describe(order.env_id, order.data, field, order.episodes, order.split)
     trained = fit_diffusion(described, order, latent)
     return _values(order, trained, described.about)
 

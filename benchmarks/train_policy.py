@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import Final
 
 from benchmarks.console import Values
-from benchmarks.described import read_demonstrations
+from benchmarks.described import about_of, read_demonstrations
 from benchmarks.training_order import TrainingOrder
 from benchmarks.training_progress import training
 from icd_agent.checkpoints import weights_sha256
@@ -42,14 +42,8 @@ def train(name: str, order: TrainingOrder, *, solved_only: bool) -> Values:
         IcdError: unfitting data, unusable device, see also ``train_policy``.
     """
     check_device(order.device)
-    demonstrations = read_demonstrations(order.env_id, order.data)
-    header = demonstrations.header
-    about: dict[str, Any] = {
-        "env": order.env_id,
-        "options": dict(header.options),
-        "seed": header.seed,
-        "solved_only": solved_only,
-    }
+    demonstrations = read_demonstrations(order.env_id, order.data, order.split)
+    about = {**about_of(demonstrations, order.episodes), "solved_only": solved_only}
     field = None
     if name == DIFFUSION_POLICY:
         folder = shipped_folder(order.env_id, LOCAL_FIELD)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import os
+import io
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import gymnasium as gym
+import numpy as np
 import torch
 from stable_baselines3 import SAC, HerReplayBuffer
 from stable_baselines3.common.callbacks import BaseCallback
@@ -16,10 +17,13 @@ from baselines.point_net import PointNetExtractor
 from baselines.sac_her import KIND, Actor, ActorConfig
 from benchmarks.console import Values
 from benchmarks.training_progress import training
-from icd_agent.checkpoints import save_checkpoint
+from icd_agent.checkpoints import not_finite, save_checkpoint
 from icd_agent.locking import alone
+from icd_agent.replacing import cannot_write, write_atomically
 from icd_agent.training.device import check_device
+from icd_agent.training.resumed import differences
 from icd_envs.errors import TrainingError
+from icd_envs.registration import check_env_id
 from icd_envs.wrappers import SubsamplePointCloud
 
 if TYPE_CHECKING:
@@ -41,7 +45,7 @@ def train(env_id: str, out: Path, *, device: str, steps: int, seed: int) -> Valu
 
     What was replayed is not kept: a run that goes on fills its buffer again, with random actions
     for two episodes and then with its own, so that its weights are not those of an uninterrupted
-    one.
+    one. Scenes, actions and noise follow from the seed and from the step that it goes on at.
 
     Args:
         env_id: which environment.
@@ -54,30 +58,48 @@ def train(env_id: str, out: Path, *, device: str, steps: int, seed: int) -> Valu
         Names and values for the user.
 
     Raises:
-        IcdError: unusable device, or ``out`` is in use or has a state of another run.
+        IcdError: unknown environment, unusable device, or ``out`` cannot be written, is in use, or
+            has a state of another run or of more steps.
     """
+    check_env_id(env_id)
     check_device(device)
     with alone(out):
-        return _train(env_id, out, device=device, steps=steps, seed=seed)
+        env = SubsamplePointCloud(
+            gym.make(env_id, split="train", disable_env_checker=True),
+            object_points=CONFIG.object_points,
+            scene_points=CONFIG.scene_points,
+        )
+        try:
+            return _train(env, env_id, out, device=device, steps=steps, seed=seed)
+        finally:
+            env.close()
 
 
-def _train(env_id: str, out: Path, *, device: str, steps: int, seed: int) -> Values:
-    env = SubsamplePointCloud(
-        gym.make(env_id, split="train", disable_env_checker=True),
-        object_points=CONFIG.object_points,
-        scene_points=CONFIG.scene_points,
-    )
+def _train(
+    env: gym.Env[Any, Any], env_id: str, out: Path, *, device: str, steps: int, seed: int
+) -> Values:
     unwrapped: Any = env.unwrapped
     model = _make(env, 2 * unwrapped.task.max_steps, device, seed)
     done = _resume(out / STATE_NAME, model, {"env": env_id, "seed": seed})
+    if done >= steps + TRAIN_EVERY:  # a run ends after a gradient step
+        raise TrainingError(
+            f"{out} has {done} steps, more than the {steps} wanted: give --steps {done} or "
+            "more, or choose another --out"
+        )
+    if done:  # with the seed of the beginning it would meet the first scenes again
+        model.set_random_seed(int(np.random.SeedSequence([seed, done]).generate_state(1)[0]))
     with training(f"sac-her of {env_id}", steps) as seen:
         if done < steps:
             saved = _Saved(out / STATE_NAME, {"env": env_id, "seed": seed}, seen)
             model.learn(steps - done, callback=saved, reset_num_timesteps=False)
     actor = actor_of(model)
-    about = {"env": env_id, "seed": seed, "steps": steps, "gradient_steps": model._n_updates}
+    about = {
+        "env": env_id,
+        "seed": seed,
+        "steps": model.num_timesteps,
+        "gradient_steps": model._n_updates,
+    }
     save_checkpoint(out, KIND, actor, CONFIG, {"training": about})
-    env.close()
     parameters = sum(value.numel() for value in actor.parameters())
     return {"out": str(out), "steps": model.num_timesteps, "parameters": parameters}
 
@@ -118,7 +140,7 @@ def _make(env: gym.Env[Any, Any], learning_starts: int, device: str, seed: int) 
 
 
 class _Saved(BaseCallback):
-    """Writes the state beside its place and renames it: a kill leaves the last one whole."""
+    """Writes the state in one step: a kill or a full disk leaves the last one whole."""
 
     def __init__(self, path: Path, run: dict[str, Any], seen: Seen) -> None:
         super().__init__()
@@ -134,6 +156,11 @@ class _Saved(BaseCallback):
 
     def _save(self) -> None:
         model: Any = self.model
+        if (bad := not_finite(model.policy.state_dict())) is not None:
+            raise TrainingError(
+                f"{bad} is not finite after {model.num_timesteps} steps: train with another --seed "
+                f"and another --out; the last save in {self._path.parent} is good"
+            )
         state = {
             "run": self._run,
             "step": model.num_timesteps,
@@ -141,9 +168,12 @@ class _Saved(BaseCallback):
             "parameters": model.get_parameters(),
             "log_ent_coef": model.log_ent_coef.detach(),
         }
-        beside = self._path.with_suffix(".new")
-        torch.save(state, beside)
-        os.replace(beside, self._path)
+        content = io.BytesIO()
+        torch.save(state, content)
+        try:
+            write_atomically(self._path, content.getvalue())
+        except OSError as error:
+            raise TrainingError(cannot_write(self._path, error)) from error
         self._seen(model.num_timesteps, {})
 
 
@@ -158,11 +188,17 @@ def _resume(path: Path, model: SAC, run: dict[str, Any]) -> int:
         raise TrainingError(f"{path} is damaged: {error}: delete it and train again") from error
     if before != run:
         raise TrainingError(
-            f"cannot go on with {path.parent}: it is of {before}, not {run}: choose another --out"
+            f"cannot go on with {path.parent}: it was trained with other "
+            f"{', '.join(differences(before, run))}: choose another --out"
         )
-    model.set_parameters(state["parameters"], device=model.device)
-    coefficient: Any = model.log_ent_coef
-    coefficient.data.copy_(state["log_ent_coef"])
-    model.num_timesteps, model._n_updates = state["step"], state["updates"]
-    model.learning_starts += state["step"]
-    return int(state["step"])
+    try:
+        model.set_parameters(state["parameters"], device=model.device)
+        coefficient: Any = model.log_ent_coef
+        coefficient.data.copy_(state["log_ent_coef"])
+        model.num_timesteps, model._n_updates = state["step"], state["updates"]
+        model.learning_starts += state["step"]
+        return int(state["step"])
+    except Exception as error:  # names, shapes and types each fail in ways of their own
+        raise TrainingError(
+            f"{path} does not fit the model: {error}: delete it and train again"
+        ) from error

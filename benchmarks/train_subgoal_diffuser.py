@@ -28,5 +28,5 @@ def train(order: TrainingOrder, *, latent_steps: int) -> Values:
         IcdError: unfitting data, unusable device, see also ``train_latent``.
     """
     check_device(order.device)
-    described = describe_places(order.env_id, order.data, None, order.episodes)
+    described = describe_places(order.env_id, order.data, None, order.episodes, order.split)
     return fit_chains(described, order, latent_steps=latent_steps, places=0, width=WIDTH)

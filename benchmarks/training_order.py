@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Self
+from typing import TYPE_CHECKING, Self
+
+if TYPE_CHECKING:
+    from icd_envs.tasks.problem import Split
 
 
 @dataclass(frozen=True)
@@ -19,6 +22,8 @@ class TrainingOrder:
         steps: optimiser steps in all.
         episodes: how many are used, at most.
         seed: of initial weights and data.
+        split: the scenes that the demonstrations must be of; "test" only for what is never measured
+            in test scenes.
     """
 
     env_id: str
@@ -28,6 +33,7 @@ class TrainingOrder:
     steps: int
     episodes: int
     seed: int
+    split: Split = "train"
 
     def part(self, name: str, steps: int | None = None) -> Self:
         """The order for a part of it: a folder below, other steps if given."""

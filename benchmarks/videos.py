@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Final, Literal, get_args
 
 from benchmarks.errors import ResultsError
-from benchmarks.files import write_atomically
 from benchmarks.plan import JobKey
 from benchmarks.rows import Row
+from icd_agent.replacing import write_atomically
 
 FOLDER_NAME: Final = "videos"
 

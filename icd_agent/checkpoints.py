@@ -9,9 +9,10 @@ from dataclasses import asdict, is_dataclass
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
+import torch
 from safetensors import SafetensorError
 from safetensors.torch import load, save
-from torch import nn
+from torch import Tensor, nn
 
 from icd_agent.replacing import current, replacing, write_synced
 from icd_agent.weights import weights_name
@@ -45,12 +46,23 @@ def save_checkpoint(
         about: how it was trained, for people.
         half: save trained weights in half precision; buffers keep theirs. They are read back in the
             network's own.
+
+    Raises:
+        CheckpointError: weights that are not finite, or not in half precision, or a folder that
+            cannot be written; what was there before is left.
     """
     if not is_dataclass(config) or isinstance(config, type):
         raise TypeError(f"config must be a dataclass, got {config!r}")
     values = {name: x.detach().cpu().contiguous() for name, x in model.state_dict().items()}
     trained = {name for name, _ in model.named_parameters()} if half else set()
-    weights = save({name: x.half() if name in trained else x for name, x in values.items()})
+    kept = {name: x.half() if name in trained else x for name, x in values.items()}
+    if (name := not_finite(kept)) is not None:
+        precision = " in half precision, which ends at 65504" if not_finite(values) is None else ""
+        raise CheckpointError(
+            f"{name} is not finite{precision}: not saved in {folder}, where nothing was changed: "
+            "train again with another seed or a lower learning_rate"
+        )
+    weights = save(kept)
     record = {
         "format": FORMAT,
         "kind": kind,
@@ -93,16 +105,28 @@ def load_checkpoint(folder: Path, kind: str, build: Callable[[dict[str, Any]], M
             "get both again"
         )
     try:
-        model = build(record["config"])
+        with torch.random.fork_rng(devices=[]):  # layers draw weights that are replaced at once
+            model = build(record["config"])
         model.load_state_dict(load(content))
     except (SafetensorError, RuntimeError, TypeError, ValueError, LookupError) as error:
         raise CheckpointError(
             f"{path} does not fit its config: {type(error).__name__}: {error}"
         ) from error
-    for name, value in model.state_dict().items():
-        if value.is_floating_point() and not bool(value.isfinite().all()):
-            raise CheckpointError(f"{path}: {name} is not finite")
+    if (name := not_finite(model.state_dict())) is not None:
+        raise CheckpointError(f"{path}: {name} is not finite")
     return model.eval()
+
+
+def not_finite(values: Mapping[str, Tensor]) -> str | None:
+    """Name of the first of a network's values that has NaN or inf, if one has."""
+    return next(
+        (
+            name
+            for name, value in values.items()
+            if value.is_floating_point() and not bool(value.isfinite().all())
+        ),
+        None,
+    )
 
 
 def weights_sha256(folder: Path) -> str:

@@ -16,7 +16,10 @@ LOCK_NAME: Final = ".lock"
 
 @contextmanager
 def alone(
-    out: Path, what: str = "training", error: type[IcdError] = TrainingError
+    out: Path,
+    what: str = "training",
+    error: type[IcdError] = TrainingError,
+    instead: str = "choose another --out",
 ) -> Iterator[None]:
     """Make a folder if it is missing, and keep every other writer out of it.
 
@@ -24,6 +27,7 @@ def alone(
         out: the folder.
         what: writes there, for messages.
         error: to be raised.
+        instead: what else its user can do than wait, for messages.
 
     Raises:
         IcdError: of the type ``error``: not writable, or in use.
@@ -33,11 +37,9 @@ def alone(
         lock = FileLock(out / LOCK_NAME, timeout=0)
         lock.acquire()
     except Timeout as cause:
-        raise error(
-            f"{out} is in use by another {what}: wait for it, or choose another --out"
-        ) from cause
+        raise error(f"{out} is in use by another {what}: wait for it, or {instead}") from cause
     except OSError as cause:
-        raise error(f"cannot write to {out}: {cause}: choose another --out") from cause
+        raise error(f"cannot write to {out}: {cause}: {instead}") from cause
     try:
         yield
     finally:

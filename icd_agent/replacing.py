@@ -5,9 +5,11 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Final
+
+from icd_envs.errors import CheckpointError
 
 WRITTEN: Final = ".written"
 """Folder of files that are all written, but not yet all in their places."""
@@ -21,19 +23,25 @@ def replacing(folder: Path) -> Iterator[Path]:
 
     Args:
         folder: where the files shall be in the end; made if it is missing, other files stay.
+
+    Raises:
+        CheckpointError: the disk is full, or does not let itself be written; nothing half written
+            is left, and what loads is all old or all new.
     """
-    folder.mkdir(parents=True, exist_ok=True)
-    _put_in_place(folder)
     unfinished = folder / UNFINISHED
-    shutil.rmtree(unfinished, ignore_errors=True)
-    unfinished.mkdir()
     try:
-        yield unfinished
-    except Exception:
+        folder.mkdir(parents=True, exist_ok=True)
+        _put_in_place(folder)
         shutil.rmtree(unfinished, ignore_errors=True)
+        unfinished.mkdir()
+        yield unfinished
+        os.rename(unfinished, folder / WRITTEN)
+        _put_in_place(folder)
+    except Exception as error:
+        shutil.rmtree(unfinished, ignore_errors=True)
+        if isinstance(error, OSError):
+            raise CheckpointError(cannot_write(folder, error)) from error
         raise
-    os.rename(unfinished, folder / WRITTEN)
-    _put_in_place(folder)
 
 
 def current(folder: Path) -> Path:
@@ -49,6 +57,30 @@ def write_synced(path: Path, content: bytes) -> None:
         os.fsync(file.fileno())
 
 
+def write_atomically(path: Path, content: bytes) -> None:
+    """Replace a file in one step: whatever happens, it has the old content or the new.
+
+    Raises:
+        OSError: the file system did not take it; the old file is untouched.
+    """
+    beside = path.with_name(f"{path.name}.new")
+    try:
+        write_synced(beside, content)
+        os.replace(beside, path)
+    except OSError:
+        with suppress(OSError):  # it may never have been there, in a folder that is not ours
+            beside.unlink(missing_ok=True)
+        raise
+
+
+def cannot_write(path: Path, error: OSError) -> str:
+    """What to tell whoever trains of a disk that is full or read-only."""
+    return (
+        f"cannot write {path}: {error}: free some space or make it writable, then run the same "
+        "command again"
+    )
+
+
 def _put_in_place(folder: Path) -> None:
     written = folder / WRITTEN
     if not written.is_dir():
@@ -56,9 +88,7 @@ def _put_in_place(folder: Path) -> None:
     for file in (path for path in written.rglob("*") if path.is_file()):
         place = folder / file.relative_to(written)
         place.parent.mkdir(parents=True, exist_ok=True)
-        beside = place.with_name(f"{place.name}.new")
-        write_synced(beside, file.read_bytes())
-        os.replace(beside, place)
+        write_atomically(place, file.read_bytes())
     shutil.rmtree(folder / UNFINISHED, ignore_errors=True)
     os.rename(written, folder / UNFINISHED)
     shutil.rmtree(folder / UNFINISHED)

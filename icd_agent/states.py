@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import hashlib
-import json
-import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.lib.format import open_memmap
 from numpy.typing import NDArray
 
 from icd_agent.chain import Features
+from icd_agent.episodes import sound_episodes
+from icd_agent.kept import KINDS, Arrays, Kept
+from icd_agent.locking import alone
 from icd_agent.scene_tokens import TOKENS, Frame, SceneTokens
 from icd_envs.api import BoolArray, Float32Array
 from icd_envs.demonstrations import Demonstrations
@@ -23,8 +23,7 @@ EVERY: Final = 5
 """Control steps between states that are kept."""
 SAVE_EVERY: Final = 50
 """Episodes between states that a killed call can go on from."""
-PROGRESS: Final = "states.json"
-KEPT: Final = ("features", "clouds", "places", "scene")
+ELSEWHERE: Final = "copy the demonstrations to a folder of your own"
 
 Describe = Callable[[Float32Array], tuple[Features, SceneTokens]]
 """Makes the features and the tokens of a scene from its cloud (M, 3) [m]."""
@@ -91,19 +90,22 @@ def describe_states(
 ) -> States:
     """Compute features, or go on where a killed call stopped, or read what is there.
 
+    Episodes whose physics diverged are left out.
+
     Args:
         demonstrations: states.
         describe: the cost space.
-        folder: where the features are kept.
+        folder: where the features are kept; one call at a time fills it.
         space: names the cost space and its weights; what is kept of another one is refused.
         episodes: how many are used, at most.
         seen: is told the number of episodes done.
 
     Raises:
-        DemonstrationsError: ``folder`` has the features of something else.
+        DemonstrationsError: ``folder`` has the features of something else, is damaged, cannot be
+            written, or is being filled by another call; or all episodes diverged.
     """
-    count = min(episodes, len(demonstrations))
-    rows = [_rows(demonstrations, i) for i in range(count)]
+    used = sound_episodes(demonstrations, episodes)
+    rows = [_rows(demonstrations, int(i)) for i in used]
     first = np.concatenate([[0], np.cumsum([len(each) for each in rows])])
     nodes = np.concatenate(rows)
     poses = hashlib.sha256(demonstrations.nodes[nodes].tobytes()).hexdigest()
@@ -113,70 +115,62 @@ def describe_states(
         "poses": poses,
         "every": EVERY,
         "tokens": TOKENS,
-        "kept": list(KEPT),
+        "kept": list(KINDS),
     }
-    folder.mkdir(parents=True, exist_ok=True)
-    done = _progress(folder, identity)
-    arrays: dict[str, Any] = {}
-    for i in range(done, count):
-        features, tokens = describe(demonstrations.scene(i).cloud)
-        clouds = demonstrations.points(demonstrations.nodes[rows[i]])
-        found = features(clouds)
-        if not arrays:
-            shapes = {
-                "features": (np.float16, (int(first[-1]), *found.shape[1:])),
-                "clouds": (np.float32, (int(first[-1]), *clouds.shape[1:])),
-                "places": (np.float32, (count, *tokens.places.shape)),
-                "scene": (np.float32, (count, *tokens.features.shape)),
-            }
-            arrays = {
-                name: open_memmap(folder / f"{name}.npy", "r+" if done else "w+", kind, size)
-                for name, (kind, size) in shapes.items()
-            }
-        arrays["features"][first[i] : first[i + 1]] = found
-        arrays["clouds"][first[i] : first[i + 1]] = clouds
-        arrays["places"][i], arrays["scene"][i] = tokens
-        if (i + 1) % SAVE_EVERY == 0 or i + 1 == count:
-            for array in arrays.values():
-                array.flush()
-            _write(folder / PROGRESS, {**identity, "done": i + 1})
-            seen(i + 1)
-    kept = {name: np.load(folder / f"{name}.npy", mmap_mode="r") for name in KEPT}
-    steps = np.concatenate([each - demonstrations.first_state[i] for i, each in enumerate(rows)])
+    canonical = demonstrations.canonical_cloud
+    on_disk = Kept(folder, identity, len(used), len(nodes), len(canonical))
+    if on_disk.done() < len(used):  # what is complete never changes: it needs no lock
+        with alone(folder, "training", DemonstrationsError, ELSEWHERE):
+            _fill(on_disk, demonstrations, describe, used, rows, seen)
+    kept = on_disk.read()
+    steps = np.concatenate(
+        [each - demonstrations.first_state[i] for i, each in zip(used, rows, strict=True)]
+    )
     return States(
         features=kept["features"],
         clouds=kept["clouds"],
         middle=np.concatenate([part.mean(axis=1) for part in np.array_split(kept["clouds"], 100)]),
         step=steps,
-        episode=np.repeat(np.arange(count), np.diff(first)),
+        episode=np.repeat(np.arange(len(used)), np.diff(first)),
         solved=demonstrations.solved[nodes],
         first=first,
-        success=demonstrations.success[:count],
+        success=demonstrations.success[used],
         tokens=SceneTokens(np.array(kept["places"]), np.array(kept["scene"])),
-        canonical=demonstrations.canonical_cloud,
+        canonical=canonical,
     )
+
+
+def _fill(
+    on_disk: Kept,
+    demonstrations: Demonstrations,
+    describe: Describe,
+    used: NDArray[np.int64],
+    rows: list[NDArray[np.int64]],
+    seen: Callable[[int], None],
+) -> None:
+    """Describe the episodes that are not there yet."""
+    ends = np.cumsum([len(each) for each in rows])
+    done = on_disk.done()
+    arrays: Arrays = {}
+    for i in range(done, len(used)):
+        features, tokens = describe(demonstrations.scene(int(used[i])).cloud)
+        clouds = demonstrations.points(demonstrations.nodes[rows[i]])
+        new = {"features": features(clouds), "clouds": clouds}
+        still = {"places": tokens.places, "scene": tokens.features}
+        if not arrays:
+            shapes = {name: array.shape[1:] for name, array in new.items()}
+            shapes |= {name: array.shape for name, array in still.items()}
+            arrays = on_disk.reopen(shapes) if done else on_disk.create(shapes)
+        for name, array in new.items():
+            arrays[name][ends[i] - len(rows[i]) : ends[i]] = array
+        for name, array in still.items():
+            arrays[name][i] = array
+        if (i + 1) % SAVE_EVERY == 0 or i + 1 == len(used):
+            on_disk.save(arrays, i + 1)
+            seen(i + 1)
 
 
 def _rows(demonstrations: Demonstrations, i: int) -> NDArray[np.int64]:
     """Rows of the states that are kept of one episode; the last state is one of them."""
     first, end = demonstrations.first_state[i : i + 2]
     return np.unique(np.append(np.arange(first, end, EVERY), end - 1))
-
-
-def _progress(folder: Path, identity: dict[str, Any]) -> int:
-    path = folder / PROGRESS
-    if not path.exists():
-        return 0
-    record = json.loads(path.read_text(encoding="utf-8"))
-    done = record.pop("done")
-    if record != identity:
-        raise DemonstrationsError(
-            f"{folder} has features of other states or of another space: delete it, or name another"
-        )
-    return int(done)
-
-
-def _write(path: Path, record: dict[str, Any]) -> None:
-    beside = path.with_suffix(".new")
-    beside.write_text(json.dumps(record), encoding="utf-8")
-    os.replace(beside, path)

@@ -23,6 +23,7 @@ from icd_agent.observed import checked
 from icd_agent.options import is_count, is_finite, require
 from icd_agent.plan_info import PlanInfo
 from icd_envs.api import (
+    BoolArray,
     Episode,
     Float32Array,
     Float64Array,
@@ -239,14 +240,20 @@ class SubgoalTracker:
         )
 
     def _costs(self, rollout: Rollout, subgoals: FloatArray, spheres: FloatArray) -> Float64Array:
-        """Cost (K,) of each sample; inf where the physics diverged."""
+        """Cost (K,) of each sample; inf where the physics diverged, or tells no places."""
         features = self._placed.here(rollout.points)
         costs = nearest_subgoal_cost(squared_distance(features, subgoals))
         costs += collision_cost(
             rollout.gripper, spheres, self._simulator.signed_distance, self.config.collision_weight
         )
-        costs[rollout.diverged] = np.inf
+        costs[rollout.diverged | ~_finite(rollout)] = np.inf
         return costs
+
+
+def _finite(rollout: Rollout) -> BoolArray:
+    """(K,) whether all places of a sample are numbers; spaces may take NaN for any place."""
+    points, gripper = np.isfinite(rollout.points), np.isfinite(rollout.gripper)
+    return np.asarray(points.all(axis=(1, 2, 3)) & gripper.all(axis=(1, 2)))
 
 
 def _missing(name: str) -> str:

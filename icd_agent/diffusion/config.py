@@ -70,7 +70,7 @@ class ChainConfig:
     Attributes:
         chains: how many are drawn; the one whose summed distance to the others is smallest is
             kept.
-        denoising_steps: of DDIM, per level.
+        denoising_steps: of DDIM, per level; see ``check_denoising``.
         reachable: [control steps] a chain is refined while any pair is predicted to be farther
             apart.
         ask_field: descriptors of a subgoal are those that the field has at its generated places;

@@ -10,7 +10,7 @@ from torch import Tensor
 
 from icd_agent.diffusion.config import LEVELS, ChainConfig
 from icd_agent.diffusion.denoiser import COARSE, GIVEN, UNKNOWN, Denoiser, Known
-from icd_agent.diffusion.schedule import make_schedule
+from icd_agent.diffusion.schedule import check_denoising, make_schedule
 from icd_agent.latent.model import LatentModel
 from icd_agent.latent.reachability import shortest_steps
 
@@ -60,7 +60,11 @@ class Generator:
             denoiser: in evaluation mode.
             latent: in evaluation mode, the one whose latents the denoiser was trained on.
             config: how.
+
+        Raises:
+            InvalidOptionError: ``config.denoising_steps`` do not fit the denoiser's diffusion.
         """
+        check_denoising(config.denoising_steps, denoiser.config.steps)
         self._denoiser = denoiser
         self.code = denoiser.code
         self._latent = latent

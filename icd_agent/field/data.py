@@ -9,6 +9,8 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from icd_agent.episodes import sound_episodes
+from icd_agent.field.config import FieldConfig
 from icd_agent.field.losses import Truth
 from icd_agent.field.supervision import NEAR_SPREAD, Solid, draw_companions, draw_queries, supervise
 from icd_envs.api import Float32Array
@@ -36,15 +38,22 @@ class FieldScene(NamedTuple):
 class FieldData:
     """Scenes in memory, and random batches of queries in them."""
 
-    def __init__(self, scenes: list[FieldScene], near_spread: float = NEAR_SPREAD) -> None:
+    def __init__(
+        self,
+        scenes: list[FieldScene],
+        near_spread: float = NEAR_SPREAD,
+        floor_margin: float = FieldConfig.floor_margin,
+    ) -> None:
         """Keep them.
 
         Args:
             scenes: all with clouds of the same size.
             near_spread: [m] see ``draw_queries``.
+            floor_margin: [m] that of the field which is trained, see ``FieldConfig``.
         """
         self._scenes = scenes
         self.near_spread = near_spread
+        self._floor_margin = floor_margin
 
     def __len__(self) -> int:
         """Number of scenes."""
@@ -52,17 +61,27 @@ class FieldData:
 
     @classmethod
     def from_demonstrations(
-        cls, demonstrations: Demonstrations, scenes: int, near_spread: float = NEAR_SPREAD
+        cls,
+        demonstrations: Demonstrations,
+        scenes: int,
+        near_spread: float = NEAR_SPREAD,
+        floor_margin: float = FieldConfig.floor_margin,
     ) -> FieldData:
-        """The first so many episodes' scenes, drawn again from their seeds (12 ms each)."""
+        """The first so many episodes' scenes, drawn again from their seeds (12 ms each).
+
+        Episodes whose physics diverged are left out: the object was anywhere in them.
+
+        Raises:
+            DemonstrationsError: all diverged.
+        """
         found = []
-        for i in range(min(scenes, len(demonstrations))):
-            scene = demonstrations.scene(i)
+        for i in sound_episodes(demonstrations, scenes):
+            scene = demonstrations.scene(int(i))
             first, last = demonstrations.first_state[i : i + 2]
             states = np.unique(np.linspace(first, last - 1, STATES).astype(int))
             points = demonstrations.points(demonstrations.nodes[states]).reshape(-1, 3)
             found.append(FieldScene(scene.cloud, points, BoxUnion(scene.boxes)))
-        return cls(found, near_spread)
+        return cls(found, near_spread, floor_margin)
 
     def draw(
         self, scenes: int, queries: int, rng: np.random.Generator, device: str = "cpu"
@@ -81,7 +100,14 @@ class FieldData:
         clouds, truths = [], []
         for i in rng.integers(len(self._scenes), size=scenes):
             scene = self._scenes[i]
-            points = draw_queries(scene.cloud, scene.object_points, queries, rng, self.near_spread)
+            points = draw_queries(
+                scene.cloud,
+                scene.object_points,
+                queries,
+                rng,
+                self.near_spread,
+                self._floor_margin,
+            )
             points = np.concatenate([points, draw_companions(points, rng)])
             clouds.append(scene.cloud)
             truths.append(supervise(points, scene.solid))

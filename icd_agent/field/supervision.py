@@ -5,7 +5,10 @@ from __future__ import annotations
 from typing import NamedTuple, Protocol
 
 import numpy as np
+import torch
 
+from icd_agent.field.config import FieldConfig
+from icd_agent.field.encoder import find_fixtures
 from icd_envs.api import Float32Array, FloatArray
 
 NEAR = 0.5
@@ -48,12 +51,27 @@ class Targets(NamedTuple):
     gradient: Float32Array
 
 
+def above_floor(scene: FloatArray, margin: float = FieldConfig.floor_margin) -> FloatArray:
+    """Points of fixtures; of a scene of bare floor, which has nothing else to show, all points.
+
+    Args:
+        scene: (M, 3) [m] scene cloud.
+        margin: [m] see ``find_fixtures``.
+
+    Returns:
+        (F, 3) [m].
+    """
+    _, fixture = find_fixtures(torch.from_numpy(np.ascontiguousarray(scene))[None], margin)
+    return scene[fixture[0].numpy()]
+
+
 def draw_queries(
     scene: FloatArray,
     object_points: FloatArray,
     count: int,
     rng: np.random.Generator,
     near_spread: float = NEAR_SPREAD,
+    floor_margin: float = FieldConfig.floor_margin,
 ) -> Float32Array:
     """Points to ask about: near surfaces, where the object has been, and anywhere around.
 
@@ -64,12 +82,13 @@ def draw_queries(
         rng: source of every draw.
         near_spread: [m] the other half's; for thick fixtures, whose insides would hardly be
             asked about otherwise.
+        floor_margin: [m] see ``above_floor``.
 
     Returns:
         (Q, 3) float32 [m].
     """
     near, there = int(NEAR * count), int(ON_OBJECT * count)
-    fixture = scene[scene[:, 2] > scene[:, 2].min() + 0.003]
+    fixture = above_floor(scene, floor_margin)
     low, high = scene.min(axis=0) - SURROUNDINGS, scene.max(axis=0) + SURROUNDINGS
     low[2] = scene[:, 2].min()
     spread = np.where(np.arange(near) < near // 2, NEAR_SPREAD, near_spread)[:, None]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import Any, Literal, get_args
 
+from icd_agent.diffusion.schedule import check_denoising
 from icd_agent.options import is_count, is_finite, require
 
 Sees = Literal["key points", "points"]
@@ -32,7 +33,7 @@ class PolicyConfig:
         encoded: numbers that a set of points becomes.
         time_width: numbers that the step of the diffusion becomes.
         steps: of the diffusion, in training.
-        denoising_steps: of DDIM, when acting.
+        denoising_steps: of DDIM, when acting; see ``check_denoising``.
         eta: share of fresh noise in each of these steps: 0 is DDIM, 1 as much as DDPM has.
         prediction: what the network is asked for.
         temperature: standard deviation of the noise that a chunk begins as; below 1 the policy
@@ -87,6 +88,7 @@ class PolicyConfig:
         require(self.horizon % halved == 0, "horizon", self.horizon, f"a multiple of {halved}")
         most = self.horizon - self.observed + 1
         require(self.executed <= most, "executed", self.executed, f"at most {most}")
+        check_denoising(self.denoising_steps, self.steps)
 
     @classmethod
     def of(cls, given: dict[str, Any]) -> PolicyConfig:

@@ -9,6 +9,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from icd_agent.episodes import sound_episodes
 from icd_agent.options import require
 from icd_agent.policy.config import PolicyConfig
 from icd_agent.policy.encoders import Seen
@@ -36,7 +37,8 @@ class PolicyData:
     """Recorded episodes, the last state of each as its goal: whatever was done was wanted.
 
     Attributes:
-        limits: (3,) [m] each, smallest and largest places.
+        limits: (3,) [m] each, smallest and largest places in all of the folder's episodes but those
+            that diverged; never the same.
         episodes: how many there are.
         steps: control steps in all.
     """
@@ -56,13 +58,14 @@ class PolicyData:
             demonstrations: states and actions.
             look: thins clouds.
             config: of the policy.
-            episodes: the first so many are looked at.
+            episodes: the first so many are looked at; those that diverged are left out.
             solved_only: use those that solved their task.
 
         Raises:
             InvalidOptionError: none did.
+            DemonstrationsError: all diverged.
         """
-        used = np.arange(min(episodes, len(demonstrations)))
+        used = sound_episodes(demonstrations, episodes)
         if solved_only:
             used = used[demonstrations.success[used]]
         fix = "others, or more of them, or --all-episodes"
@@ -77,14 +80,7 @@ class PolicyData:
         self._last = demonstrations.first_state[used + 1] - 1
         self._goals = look.object(demonstrations.points(demonstrations.nodes[self._last]))
         self._alike = self._rows_alike()
-        places = [
-            demonstrations.nodes.reshape(-1, 3),
-            demonstrations.gripper[:, :3],
-            self._scenes[..., :3].reshape(-1, 3),
-        ]
-        low = np.min([each.min(axis=0) for each in places], axis=0)
-        high = np.max([each.max(axis=0) for each in places], axis=0)
-        self.limits = torch.from_numpy(low), torch.from_numpy(high)
+        self.limits = self._limits()
 
     def draw(self, count: int, rng: np.random.Generator, device: str = "cpu") -> Windows:
         """A batch of windows, every recorded step as likely.
@@ -115,6 +111,23 @@ class PolicyData:
         rows = recorded.first_step[episode][:, None] + np.clip(ahead, 0, last - 1)
         actions = np.where((ahead < last)[..., None], recorded.actions[rows], np.float32(0.0))
         return Windows(seen, _tensor(actions, device))
+
+    def _limits(self) -> tuple[Tensor, Tensor]:
+        recorded = self._demonstrations
+        sound = np.repeat(~np.asarray(recorded.diverged, bool), recorded.lengths + 1)
+        places = [
+            recorded.nodes[sound].reshape(-1, 3),
+            recorded.gripper[sound, :3],
+            self._scenes[..., :3].reshape(-1, 3),
+        ]
+        low = np.min([each.min(axis=0) for each in places], axis=0)
+        high = np.max([each.max(axis=0) for each in places], axis=0)
+        apart = high > low
+        half = np.float32(0.5)  # [m] where all are the same
+        return (
+            torch.from_numpy(np.where(apart, low, low - half)),
+            torch.from_numpy(np.where(apart, high, high + half)),
+        )
 
     def _goals_of(self, i: NDArray[np.int64], rng: np.random.Generator) -> NDArray[np.int64]:
         """Whose last state is the goal: the episode's own, or one like it in another scene."""

@@ -6,6 +6,7 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
+from icd_agent.field.config import FieldConfig
 from icd_agent.field.encoder import find_fixtures
 from icd_agent.field.field import SceneField
 from icd_agent.field.neighbours import gather, spread
@@ -13,9 +14,6 @@ from icd_agent.policy.config import PolicyConfig
 from icd_agent.scene_tokens import scene_tokens
 from icd_envs.api import Float32Array, FloatArray
 from icd_envs.errors import CheckpointError
-
-FLOOR_MARGIN = 0.003
-"""[m] above the lowest point of a scene: what is higher is a fixture."""
 
 
 class Look:
@@ -47,7 +45,7 @@ class Look:
             tokens = scene_tokens(self._field, cloud)
             return np.concatenate([tokens.places, tokens.features], axis=-1)[:count]
         points = torch.from_numpy(np.ascontiguousarray(cloud, np.float32))[None]
-        _, fixture = find_fixtures(points, FLOOR_MARGIN)
+        _, fixture = find_fixtures(points, FieldConfig.floor_margin)
         kept: Float32Array = gather(points, spread(points, count, fixture))[0].numpy()
         return kept
 

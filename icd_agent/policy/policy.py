@@ -58,8 +58,8 @@ class ChunkPolicy(nn.Module):
         return predicted
 
     def schedule(self) -> DDIMScheduler:
-        """Of the noise; clean actions lie in [-1, 1]."""
-        return make_schedule(self.config.steps, self.config.prediction, clip=True)
+        """Of the noise; see ``schedule_of``."""
+        return schedule_of(self.config)
 
     @torch.no_grad()
     def sample(self, seen: Seen, rng: np.random.Generator) -> Float32Array:
@@ -93,6 +93,11 @@ class ChunkPolicy(nn.Module):
         """Of (..., 3 + F) the places only."""
         places = 2.0 * (values[..., :3] - self.low) / (self.high - self.low) - 1.0
         return torch.cat([places, values[..., 3:]], dim=-1)
+
+
+def schedule_of(config: PolicyConfig) -> DDIMScheduler:
+    """Schedule of a policy's noise; clean actions lie in [-1, 1]."""
+    return make_schedule(config.steps, config.prediction, clip=True)
 
 
 def load_policy(folder: Path) -> ChunkPolicy:

@@ -11,7 +11,7 @@ from torch import Tensor, nn
 
 from icd_agent.policy.config import PolicyConfig
 from icd_agent.policy.data import PolicyData, Windows
-from icd_agent.policy.policy import KIND, ChunkPolicy
+from icd_agent.policy.policy import KIND, ChunkPolicy, schedule_of
 from icd_agent.training.config import TrainingConfig
 from icd_agent.training.loop import Seen, Trained
 from icd_agent.training.network import Network, train_network
@@ -50,7 +50,7 @@ def train_policy(
     def make() -> ChunkPolicy:
         return ChunkPolicy(config, data.limits)
 
-    schedule = make().schedule()
+    schedule = schedule_of(config)
 
     def loss(model: nn.Module, rng: np.random.Generator) -> dict[str, Tensor]:
         windows = data.draw(BATCH, rng, device)

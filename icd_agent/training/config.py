@@ -44,7 +44,9 @@ class TrainingConfig:
             require(is_count(getattr(self, name)), name, getattr(self, name), "an integer >= 1")
         for name in ("learning_rate", "clip"):
             require(is_positive(getattr(self, name)), name, getattr(self, name), "a number > 0")
-        for name in ("warmup", "weight_decay", "seed"):
+        for name in ("warmup", "weight_decay"):
             value = getattr(self, name)
             require(is_finite(value) and value >= 0, name, value, "a number >= 0")
+        good = type(self.seed) is int and self.seed >= 0
+        require(good, "seed", self.seed, "an integer >= 0")
         require(is_finite(self.ema) and 0 <= self.ema < 1, "ema", self.ema, "a number in [0, 1)")

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import copy
+import io
 import json
 import math
-import os
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -15,8 +15,11 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
+from icd_agent.checkpoints import not_finite
+from icd_agent.replacing import cannot_write, write_atomically
 from icd_agent.training.config import TrainingConfig
 from icd_agent.training.initial import initialise
+from icd_agent.training.resumed import cut_log, differences
 from icd_envs.errors import TrainingError
 
 STATE_NAME: Final = "training.pt"
@@ -33,7 +36,7 @@ class Trained:
     """What a run leaves.
 
     Attributes:
-        model: with the averaged weights, in evaluation mode.
+        model: with the averaged weights, in evaluation mode, on the CPU.
         terms: mean of every term over the last lines of progress.
     """
 
@@ -66,10 +69,14 @@ def train(
         seen: shows progress.
 
     Raises:
-        TrainingError: the loss is not finite, or ``out`` has a state of another run.
+        TrainingError: loss, gradient or weights are not finite, ``out`` cannot be written, or has a
+            damaged state or one of another run. The last state that was saved stays as it is.
     """
-    out.mkdir(parents=True, exist_ok=True)
-    run = {"training": asdict(config), **(identity or {})}
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise TrainingError(cannot_write(out, error)) from error
+    run = json.loads(json.dumps({"training": asdict(config), **(identity or {})}))
     with torch.random.fork_rng(devices=[]):  # layers draw weights that are replaced at once
         model = make_model()
     initialise(model, torch.Generator().manual_seed(config.seed))
@@ -82,35 +89,49 @@ def train(
         weight_decay=config.weight_decay,
     )
     done, terms = _resume(out / STATE_NAME, run, model, average, optimizer)
-    totals: dict[str, float] = {}
-    counted = 0
+    cut_log(out / LOG_NAME, done)
+    unseen: list[dict[str, Tensor]] = []
     for step in range(done, config.steps):
         rate = config.learning_rate * _schedule(step, config)
         for group in optimizer.param_groups:
             group["lr"] = rate
         found = loss(model, np.random.default_rng([config.seed, step]))
-        now = float(found["loss"].detach())
-        if not math.isfinite(now):
-            raise TrainingError(
-                f"the loss is {now} at step {step}: lower learning_rate, now "
-                f"{config.learning_rate}; the state of the last save is in {out}"
-            )
         optimizer.zero_grad(set_to_none=True)
         torch.autograd.backward(found["loss"])
-        nn.utils.clip_grad_norm_(model.parameters(), config.clip)
+        norm = nn.utils.clip_grad_norm_(model.parameters(), config.clip)
+        now = {"loss": float(found["loss"].detach()), "norm of the gradient": float(norm)}
+        for name, value in now.items():
+            if not math.isfinite(value):
+                raise _diverged(f"the {name} is {value}", step, config, out)
         optimizer.step()
         _follow(average, model, min(config.ema, (1 + step) / (10 + step)))
-        for name, value in found.items():
-            totals[name] = totals.get(name, 0.0) + float(value.detach())
-        counted += 1
+        unseen.append({name: value.detach() for name, value in found.items()})
         if (step + 1) % config.log_every == 0 or step + 1 == config.steps:
-            terms = {name: total / counted for name, total in totals.items()}
-            totals, counted = {}, 0
+            terms = _means(unseen)
+            unseen = []
             seen(step + 1, terms)
             _log(out / LOG_NAME, step + 1, terms)
         if (step + 1) % config.save_every == 0 or step + 1 == config.steps:
+            if (bad := not_finite(model.state_dict())) is not None:
+                raise _diverged(f"{bad} is not finite", step, config, out)
             _save(out / STATE_NAME, run, step + 1, terms, model, average, optimizer)
-    return Trained(average.eval(), terms)
+    return Trained(average.eval().to("cpu"), terms)
+
+
+def _diverged(what: str, step: int, config: TrainingConfig, out: Path) -> TrainingError:
+    return TrainingError(
+        f"{what} at step {step}: train with another --seed and another --out, or from Python with "
+        f"a lower learning_rate, now {config.learning_rate}; the last save in {out} is good"
+    )
+
+
+def _means(unseen: list[dict[str, Tensor]]) -> dict[str, float]:
+    """Mean of every term; they are read only now, because reading waits for the device."""
+    totals: dict[str, float] = {}
+    for found in unseen:
+        for name, value in found.items():
+            totals[name] = totals.get(name, 0.0) + float(value)
+    return {name: total / len(unseen) for name, total in totals.items()}
 
 
 def _schedule(step: int, config: TrainingConfig) -> float:
@@ -130,8 +151,11 @@ def _follow(average: nn.Module, model: nn.Module, keep: float) -> None:
 
 
 def _log(path: Path, step: int, terms: dict[str, float]) -> None:
-    with path.open("a", encoding="utf-8") as file:
-        file.write(json.dumps({"step": step, **terms}) + "\n")
+    try:
+        with path.open("a", encoding="utf-8") as file:
+            file.write(json.dumps({"step": step, **terms}) + "\n")
+    except OSError as error:
+        raise TrainingError(cannot_write(path, error)) from error
 
 
 def _save(
@@ -143,7 +167,7 @@ def _save(
     average: nn.Module,
     optimizer: torch.optim.Optimizer,
 ) -> None:
-    """Beside its place, synced and renamed: a kill leaves the last one whole."""
+    """In one step: a kill or a full disk leaves the last one whole."""
     state = {
         "run": json.dumps(run, sort_keys=True),
         "step": step,
@@ -152,12 +176,12 @@ def _save(
         "average": average.state_dict(),
         "optimizer": optimizer.state_dict(),
     }
-    beside = path.with_suffix(".new")
-    with beside.open("wb") as file:
-        torch.save(state, file)
-        file.flush()
-        os.fsync(file.fileno())
-    os.replace(beside, path)
+    content = io.BytesIO()
+    torch.save(state, content)
+    try:
+        write_atomically(path, content.getvalue())
+    except OSError as error:
+        raise TrainingError(cannot_write(path, error)) from error
 
 
 def _resume(
@@ -167,6 +191,7 @@ def _resume(
     average: nn.Module,
     optimizer: torch.optim.Optimizer,
 ) -> tuple[int, dict[str, float]]:
+    """Step and terms of the state that is there; the networks then have its weights."""
     if not path.exists():
         return 0, {}
     try:
@@ -174,15 +199,18 @@ def _resume(
         before = json.loads(state["run"])
     except Exception as error:  # zip, pickle and JSON each fail in ways of their own
         raise TrainingError(f"{path} is damaged: {error}: delete it and train again") from error
-    if before != json.loads(json.dumps(run)):
-        different = sorted(
-            name for name in before.keys() | run.keys() if before.get(name) != run.get(name)
-        )
+    if before != run:
         raise TrainingError(
-            f"cannot go on with {path.parent}: it was trained with other {', '.join(different)}: "
-            "choose another --out"
+            f"cannot go on with {path.parent}: it was trained with other "
+            f"{', '.join(differences(before, run))}: choose another --out"
         )
-    model.load_state_dict(state["model"])
-    average.load_state_dict(state["average"])
-    optimizer.load_state_dict(state["optimizer"])
-    return int(state["step"]), dict(state["terms"])
+    try:
+        model.load_state_dict(state["model"])
+        average.load_state_dict(state["average"])
+        optimizer.load_state_dict(state["optimizer"])
+        return int(state["step"]), dict(state["terms"])
+    except Exception as error:  # keys, shapes and types each fail in ways of their own
+        raise TrainingError(
+            f"{path} does not fit the network: {error}: delete it and train again, or go on with "
+            "the version of this project that wrote it"
+        ) from error

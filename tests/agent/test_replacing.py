@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from icd_agent.replacing import current, replacing, write_synced
+from icd_envs.errors import CheckpointError
 
 
 class KilledError(BaseException):
@@ -79,7 +80,7 @@ class killed_at:  # noqa: N801  reads as a phrase
 def test_other_files_stay_and_a_failure_leaves_nothing(tmp_path: Path) -> None:
     write(tmp_path, b"old")
     (tmp_path / "part" / "log").write_text("mine")
-    with pytest.raises(FileNotFoundError), replacing(tmp_path) as new:
+    with pytest.raises(CheckpointError, match="cannot write"), replacing(tmp_path) as new:
         write_synced(new / "no folder" / "config", b"new")
     assert contents(tmp_path) == {b"old"}
     write(tmp_path, b"new")

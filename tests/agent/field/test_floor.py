@@ -1,61 +1,67 @@
-"""What is floor and what stands on it, in exact and in noisy clouds."""
+"""What is floor is decided once, by the margin of the field; a bare floor is all of its scene."""
 
 from __future__ import annotations
 
 import numpy as np
-import pytest
-import torch
-from torch import Tensor
 
-from icd_agent.field.encoder import find_fixtures
-from tests.envs.making import make
+from icd_agent.field.config import FieldConfig
+from icd_agent.field.data import FieldData, FieldScene
+from icd_agent.field.supervision import NEAR, above_floor, draw_queries
+from icd_envs.geometry.sdf import BoxUnion
+from icd_envs.scenes.boxes import Box
+from tests.agent.field.small import scene
 
-MARGIN = 0.003
-TASKS = ("ICDCableRouting-v0", "ICDNotebookFolding-v0")
-
-
-@pytest.fixture(scope="module", params=TASKS)
-def scene(request: pytest.FixtureRequest) -> Tensor:
-    env = make(request.param)
-    return torch.from_numpy(env.reset(seed=3)[0]["scene"])[None]
+LOW = 0.02
+"""[m] height of the only fixture."""
 
 
-def test_in_an_exact_cloud_the_lowest_point_is_the_floor(scene: Tensor) -> None:
-    floor, fixture = find_fixtures(scene, MARGIN)
-    height = scene[..., 2]
-    assert floor == height.min()
-    assert torch.equal(fixture, height > floor + MARGIN)
-
-
-@pytest.mark.parametrize("noise", [0.001, 0.002, 0.005])
-def test_noise_makes_no_fixtures_of_the_floor(scene: Tensor, noise: float) -> None:
+def low_scene() -> FieldScene:
+    """A floor at z = 1 m and a plate just above it."""
     rng = np.random.default_rng(0)
-    noisy = scene + torch.from_numpy(rng.normal(0.0, noise, scene.shape).astype(np.float32))
-    floor, fixture = find_fixtures(noisy, MARGIN)
-    ground = scene[..., 2] == scene[..., 2].min()
-    assert abs(floor - scene[..., 2].min()) < 0.003
-    assert (fixture & ground).sum() < 0.05 * ground.sum()
-    assert (fixture & ~ground).sum() > 0.6 * (~ground).sum()
+    flat = rng.uniform(-0.2, 0.2, (100, 3))
+    flat[:, 2] = 1.0
+    plate = rng.uniform(-0.05, 0.05, (100, 3))
+    plate[:, 2] = 1.0 + LOW
+    box = Box(np.array([0.0, 0.0, 1.0 + LOW / 2]), np.array([0.05, 0.05, LOW / 2]), np.eye(3))
+    cloud = np.concatenate([flat, plate]).astype(np.float32)
+    return FieldScene(cloud, cloud[:5], BoxUnion([box]))
 
 
-def test_points_that_were_not_seen_say_nothing_of_the_floor(scene: Tensor) -> None:
-    hidden = torch.zeros_like(scene[..., 0], dtype=torch.bool)
-    hidden[:, :30] = True
-    sunk = torch.where(hidden[..., None], scene - 1.0, scene)
-    floor, fixture = find_fixtures(sunk, MARGIN, ~hidden)
-    wanted, all_fixtures = find_fixtures(scene, MARGIN)
-    assert floor == wanted
-    assert torch.equal(fixture, all_fixtures & ~hidden)
+def near(margin: float) -> np.ndarray:
+    """Queries near surfaces."""
+    found = low_scene()
+    rng = np.random.default_rng(1)
+    queries = draw_queries(found.cloud, found.object_points, 400, rng, floor_margin=margin)
+    return queries[: int(NEAR * 400)]
 
 
-def test_a_few_low_points_of_what_stands_there_are_no_noise() -> None:
-    rising = torch.zeros(1, 1000, 3)
-    rising[0, :, 2] = torch.linspace(0.0, 0.5, 1000)
-    floor, fixture = find_fixtures(rising, MARGIN)
-    assert floor == 0.0
-    assert torch.equal(fixture, rising[..., 2] > MARGIN)
+def test_points_above_the_margin_are_of_fixtures() -> None:
+    cloud = low_scene().cloud
+    assert np.array_equal(above_floor(cloud, LOW / 2), cloud[100:])
+    assert np.array_equal(above_floor(cloud), cloud[100:])
 
 
-def test_a_bare_floor_is_all_there_is_to_hold_on_to() -> None:
-    flat = torch.rand(1, 100, 3) * torch.tensor([1.0, 1.0, 0.0])
-    assert find_fixtures(flat, MARGIN)[1].all()
+def test_a_scene_of_bare_floor_is_all_there_is_to_ask_about() -> None:
+    cloud = low_scene().cloud
+    assert np.array_equal(above_floor(cloud, 2 * LOW), cloud)
+    assert np.abs(near(margin=LOW / 2)[:, :2]).max() < 0.15  # around the plate
+    assert np.abs(near(margin=2 * LOW)[:, :2]).max() > 0.15  # and around everything
+
+
+def test_the_margin_of_the_field_is_that_of_its_data() -> None:
+    def drawn(margin: float) -> np.ndarray:
+        data = FieldData([low_scene()], floor_margin=margin)
+        _, truth, _ = data.draw(1, 40, np.random.default_rng(2))
+        return truth.points.numpy()
+
+    assert np.array_equal(drawn(FieldConfig.floor_margin), drawn(LOW / 2))
+    assert not np.array_equal(drawn(LOW / 2), drawn(2 * LOW))
+
+
+def test_queries_by_default_are_those_of_the_default_field() -> None:
+    found = scene(0)
+    drawn = [
+        draw_queries(found.cloud, found.object_points, 50, np.random.default_rng(3), **margin)
+        for margin in ({}, {"floor_margin": FieldConfig.floor_margin})
+    ]
+    assert np.array_equal(*drawn)

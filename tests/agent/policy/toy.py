@@ -62,6 +62,7 @@ def toy_demonstrations(episodes: int = 6, seed: int = 0) -> Any:  # noqa: ANN401
         actions=np.concatenate(actions).astype(np.float32),
         solved=solved,
         success=solved[ends, 0],
+        diverged=np.zeros(episodes, bool),
         points=cloud,
         scene=lambda i: SimpleNamespace(cloud=clouds[i]),
     )

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.files import write_atomically
+from icd_agent.replacing import write_atomically
 
 
 def test_file_is_replaced_whole(tmp_path: Path) -> None:
