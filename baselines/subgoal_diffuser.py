@@ -39,15 +39,18 @@ def compose(env_id: str, folder: Path, settings: str) -> SubgoalTracker:
     """Put trained networks together.
 
     Args:
-        env_id: whose field tells fixtures from the floor.
-        folder: of ``latent`` and ``diffusion``, as ``icd-bench train subgoal-diffuser`` leaves it.
+        env_id: whose field of the package tells fixtures from the floor, if the folder has none.
+        folder: of ``latent``, ``diffusion`` and perhaps ``field``, as ``icd-bench train
+            subgoal-diffuser`` leaves it.
         settings: name of ICD's preset.
 
     Raises:
         CheckpointError: missing or damaged weights, those of another task, or such as were not
             trained on one another.
     """
-    chosen, seen = PRESETS[settings], shipped_folder(env_id, LOCAL_FIELD)
+    chosen, seen = PRESETS[settings], folder / FIELD
+    if not seen.is_dir():
+        seen = shipped_folder(env_id, LOCAL_FIELD)
     for part in (LATENT, DIFFUSION):
         check_task(read_about(folder / part), env_id)
         check_made_with(folder / part, FIELD, seen)

@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
+from benchmarks.parts import local_field, part
 from benchmarks.training_progress import training
 from icd_agent.chain import Features
 from icd_agent.checkpoints import weights_sha256
@@ -17,10 +18,11 @@ from icd_agent.field.train import load_field
 from icd_agent.scene_points import placed_in
 from icd_agent.scene_tokens import SceneTokens, scene_tokens
 from icd_agent.states import States, describe_states
-from icd_agent.weights import LOCAL_FIELD, shipped_chains, shipped_folder
 from icd_envs.api import Float32Array, FloatArray
 from icd_envs.demonstrations import Demonstrations
+from icd_envs.demonstrations.header import read_header
 from icd_envs.errors import DemonstrationsError
+from icd_envs.registration import check_env_id
 
 
 class Described(NamedTuple):
@@ -38,14 +40,20 @@ class Described(NamedTuple):
 def read_demonstrations(env_id: str, folder: Path) -> Demonstrations:
     """Read demonstrations that must be of one task.
 
+    Args:
+        env_id: of the task, as ``gymnasium.make`` takes it: the module of ``module:ID`` is
+            imported, here as at recording it may be any that registers the id.
+        folder: of the demonstrations.
+
     Raises:
+        InvalidOptionError: an id that is not registered.
         DemonstrationsError: missing, damaged, or of another task.
     """
-    demonstrations = Demonstrations(folder)
-    found = demonstrations.header.env_id
-    if found != env_id:
+    check_env_id(env_id)
+    found = read_header(folder).env_id
+    if found.rpartition(":")[2] != env_id.rpartition(":")[2]:
         raise DemonstrationsError(f"{folder} holds demonstrations of {found}, not {env_id}")
-    return demonstrations
+    return Demonstrations(folder)
 
 
 def describe(env_id: str, data: Path, field: Path | None, episodes: int) -> Described:
@@ -64,7 +72,7 @@ def describe(env_id: str, data: Path, field: Path | None, episodes: int) -> Desc
     def descriptors(network: SceneField, scene: Float32Array) -> tuple[Features, SceneTokens]:
         return exact_features(network, scene), scene_tokens(network, scene)
 
-    folder = shipped_chains(env_id, FIELD) if field is None else field
+    folder = part(env_id, FIELD, field)
     return _describe(env_id, data, folder, episodes, descriptors, "descriptors")
 
 
@@ -89,7 +97,7 @@ def describe_places(env_id: str, data: Path, field: Path | None, episodes: int) 
 
         return features, tokens
 
-    folder = shipped_folder(env_id, LOCAL_FIELD) if field is None else field
+    folder = local_field(env_id, field)
     states, about = _describe(env_id, data, folder, episodes, places, "places")
     begun = states.middle[states.first[states.episode]]
     return Described(states._replace(middle=begun), about)

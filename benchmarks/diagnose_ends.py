@@ -15,8 +15,8 @@ from icd_agent.diffusion.generate import Generator
 from icd_agent.field.space import ExactFieldSpace
 from icd_agent.networks import load_networks, load_shipped
 from icd_agent.presets import PRESETS, best_preset
-from icd_envs import ENV_IDS
-from icd_envs.errors import InvalidOptionError, unknown_name
+from icd_envs.demonstrations import find_task
+from icd_envs.errors import InvalidOptionError
 from icd_envs.tasks.env import ContactEnv
 
 SOLVED = 0.0
@@ -53,8 +53,7 @@ def diagnose(
             last subgoal is not generated.
         CheckpointError: missing or damaged weights.
     """
-    if env_id not in ENV_IDS:
-        raise InvalidOptionError(unknown_name("environment id", env_id, ENV_IDS))
+    find_task(env_id)  # an environment that has none is refused
     networks = load_shipped(env_id) if weights is None else load_networks(weights, env_id)
     settings = PRESETS[best_preset(env_id)].chain
     generator = Generator(networks.diffusion, networks.latent, settings)

@@ -13,6 +13,7 @@ from icd_agent.diffusion.denoiser import COARSE, GIVEN, UNKNOWN, Denoiser, Known
 from icd_agent.diffusion.schedule import make_schedule
 from icd_agent.latent.model import LatentModel
 from icd_agent.latent.reachability import shortest_steps
+from icd_agent.options import require
 
 
 class Task(NamedTuple):
@@ -60,7 +61,18 @@ class Generator:
             denoiser: in evaluation mode.
             latent: in evaluation mode, the one whose latents the denoiser was trained on.
             config: how.
+
+        Raises:
+            InvalidOptionError: ``reachable`` is less than any pair is ever predicted to be apart.
         """
+        within, bins = config.reachable, latent.config.bin_steps
+        require(
+            within is None or within > bins / 2,
+            "reachable",
+            within,
+            f"more than {bins / 2:g} control steps, the middle of the first of these latents' bins "
+            f"of {bins}, or None to refine every chain to the end",
+        )
         self._denoiser = denoiser
         self.code = denoiser.code
         self._latent = latent
@@ -76,7 +88,7 @@ class Generator:
             task: where from and where to.
             rng: source of every draw.
         """
-        count = self.config.chains
+        count, within = self.config.chains, self.config.reachable
         foreign = task.foreign and not self.config.inpaint_goal
         chains = torch.stack([task.now, task.goal]).expand(count, -1, -1)
         for level in range(1, LEVELS + 1):
@@ -84,7 +96,7 @@ class Generator:
             chain = self._most_alike(chains, self.code.shares)
             latents = self.code.latents(chain)
             steps = self.steps(latents[None], task.scene)[0]
-            if float(steps.max()) <= self.config.reachable:
+            if within is not None and float(steps.max()) <= within:
                 break
         return Generated(latents, self.code.clouds(chain), steps)
 
