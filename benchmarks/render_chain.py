@@ -9,6 +9,7 @@ import gymnasium as gym
 import numpy as np
 
 from benchmarks.figures import Colours, new_figure, save_figure
+from benchmarks.parts import check_places
 from icd_agent.diffused import DiffusedSource
 from icd_agent.diffusion.generate import Generator
 from icd_agent.field.space import ExactFieldSpace
@@ -45,6 +46,7 @@ def render(env_id: str, out: Path, *, seed: int, weights: Path | None) -> None:
     find_task(env_id)  # an environment that has none is refused
     figure = new_figure(out, (14, 9))
     networks = load_shipped(env_id) if weights is None else load_networks(weights, env_id)
+    check_places(networks.diffusion)
     env = gym.make(env_id, split="test").unwrapped
     assert isinstance(env, ContactEnv)
     try:
