@@ -6,7 +6,6 @@ acts is its actor alone, in plain PyTorch, so that weights are no pickle.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -147,8 +146,7 @@ def load_actor(folder: Path) -> Actor:
     Raises:
         CheckpointError: see ``icd_agent.checkpoints.load_checkpoint``.
     """
-    make: Callable[[dict[str, Any]], Actor] = lambda given: Actor(ActorConfig.of(given))  # noqa: E731
-    return load_checkpoint(folder, KIND, make)
+    return load_checkpoint(folder, KIND, lambda given: Actor(ActorConfig.of(given)))
 
 
 def make_sac_her(env_id: str, weights: Path | None = None) -> ActorAgent:

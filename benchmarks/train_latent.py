@@ -55,5 +55,9 @@ def diffusion(order: TrainingOrder, *, field: Path | None, latent: Path | None) 
 
 
 def _values(order: TrainingOrder, trained: Trained, about: dict[str, Any]) -> Values:
-    parameters = sum(value.numel() for value in trained.model.parameters())
-    return {"out": str(order.out), "seed": about["seed"], "parameters": parameters, **trained.terms}
+    return {
+        "out": str(order.out),
+        "seed": about["seed"],
+        "parameters": trained.parameters,
+        **trained.terms,
+    }

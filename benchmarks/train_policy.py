@@ -82,11 +82,10 @@ def train(name: str, order: TrainingOrder, *, field: Path | None, solved_only: b
             windows, config, settings, order.out, about=about, device=order.device, seen=seen
         )
     keep_beside(field, order.out)
-    parameters = sum(value.numel() for value in trained.model.parameters())
     return {
         "out": str(order.out),
         "episodes": windows.episodes,
-        "parameters": parameters,
+        "parameters": trained.parameters,
         **trained.terms,
     }
 
