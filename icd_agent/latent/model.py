@@ -81,7 +81,7 @@ class LatentModel(nn.Module):
             InvalidOptionError: another number of points, or of features, than it was trained with.
         """
         trained = self.config.points, self.config.features
-        told = f"(B, {trained[0]}, {trained[1]}), as trained"
+        told = f"(B, {trained[0]}, {trained[1]}), points and features as trained"
         require(features.shape[1:] == trained, "features.shape", tuple(features.shape), told)
         require(len(canonical) == trained[0], "canonical", len(canonical), f"{trained[0]} points")
         return self.distribution(self.normalise(features), canonical)[0]

@@ -36,9 +36,10 @@ def test_points_that_are_hidden_may_be_said_to_be_anywhere() -> None:
     agent, observation = begun("partial")
     elsewhere = dict(observation)
     for name in ("achieved_goal", "scene"):
-        hidden = observation[f"{name}_mask"] == 0
-        assert hidden.any()
-        elsewhere[name] = np.where(hidden[:, None], np.float32(9.0), observation[name])
+        observation[f"{name}_mask"][10:60] = 0
+        hidden = observation[f"{name}_mask"][:, None] == 0
+        for where, said in ((observation, 0.0), (elsewhere, 9.0)):
+            where[name] = np.where(hidden, np.float32(said), observation[name])
     action = agent.act(observation)  # type: ignore[arg-type]
     np.testing.assert_array_equal(agent.act(elsewhere), action)  # type: ignore[arg-type]
     assert np.abs(action).max() > 1e-4
