@@ -6,7 +6,6 @@ acts is its actor alone, in plain PyTorch, so that weights are no pickle.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -17,11 +16,14 @@ import torch
 from torch import Tensor, nn
 
 from icd_agent.checkpoints import check_task, load_checkpoint, read_about
+from icd_agent.completion import Completion, seen_scene
 from icd_agent.observed import checked
 from icd_agent.options import is_count, require
+from icd_agent.policy.agent import NOT_BEGUN
 from icd_agent.policy.look import evenly
 from icd_agent.weights import SAC_HER, shipped_folder
 from icd_envs.api import Episode, Float32Array, Observation
+from icd_envs.errors import EpisodeStateError
 
 KIND: Final = "actor"
 CLOUDS: Final = ("achieved_goal", "desired_goal", "goal_scene", "scene")
@@ -97,7 +99,7 @@ def _perceptron(widths: tuple[int, ...]) -> nn.Sequential:
 
 
 class ActorAgent:
-    """Takes the actor's action; it has no memory and draws nothing."""
+    """Takes the actor's action; it draws nothing."""
 
     needs_simulator = False
     needs_oracle = False
@@ -105,18 +107,29 @@ class ActorAgent:
     def __init__(self, actor: Actor) -> None:
         """Wrap an actor in evaluation mode."""
         self.actor = actor
+        self._completion: Completion | None = None
 
     def reset(self, episode: Episode, seed: int) -> None:
-        """Nothing to begin."""
+        """Begin an episode; ``seed`` is not used."""
+        self._completion = Completion(episode.canonical_cloud)
 
     @torch.no_grad()
     def act(self, observation: Observation) -> Float32Array:
         """Return an action, (3,) in [-1, 1].
 
+        Args:
+            observation: the present one; hidden points of the object are guessed from those that
+                are seen, hidden points of the scene are left out.
+
         Raises:
-            InvalidObservationError: not what an environment observes, or not finite.
+            EpisodeStateError: before ``reset``.
+            InvalidObservationError: not what an environment observes, not finite, or without a
+                point of the scene that is seen.
         """
-        config, parts = self.actor.config, dict(checked(observation))
+        if self._completion is None:
+            raise EpisodeStateError(NOT_BEGUN)
+        seen = self._completion(checked(observation))
+        config, parts = self.actor.config, {**seen, "scene": seen_scene(seen)}
         clouds = {}
         for name in CLOUDS:
             cloud: Any = parts[name]
@@ -133,8 +146,7 @@ def load_actor(folder: Path) -> Actor:
     Raises:
         CheckpointError: see ``icd_agent.checkpoints.load_checkpoint``.
     """
-    make: Callable[[dict[str, Any]], Actor] = lambda given: Actor(ActorConfig.of(given))  # noqa: E731
-    return load_checkpoint(folder, KIND, make)
+    return load_checkpoint(folder, KIND, lambda given: Actor(ActorConfig.of(given)))
 
 
 def make_sac_her(env_id: str, weights: Path | None = None) -> ActorAgent:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Final
 
 from icd_agent.checkpoints import check_made_with, check_task, read_about
 from icd_agent.diffused import DiffusedSource
@@ -19,10 +20,15 @@ from icd_agent.field.train import load_field
 from icd_agent.latent.train import KIND as LATENT
 from icd_agent.latent.train import load_latent
 from icd_agent.mppi.presets import preset
+from icd_agent.networks import check_chains
 from icd_agent.presets import PRESETS, best_preset
 from icd_agent.scene_points import ScenePoints
 from icd_agent.tracking import SubgoalTracker
 from icd_agent.weights import LOCAL_FIELD, SUBGOAL_DIFFUSER, shipped_folder
+from icd_envs.errors import CheckpointError
+
+PLACE: Final = 3
+"""Numbers a point: its autoencoder is one of places."""
 
 
 def make_subgoal_diffuser(env_id: str, weights: Path | None = None) -> SubgoalTracker:
@@ -39,22 +45,32 @@ def compose(env_id: str, folder: Path, settings: str) -> SubgoalTracker:
     """Put trained networks together.
 
     Args:
-        env_id: whose field tells fixtures from the floor.
-        folder: of ``latent`` and ``diffusion``, as ``icd-bench train subgoal-diffuser`` leaves it.
+        env_id: whose field of the package tells fixtures from the floor, if the folder has none.
+        folder: of ``latent``, ``diffusion`` and perhaps ``field``, as ``icd-bench train
+            subgoal-diffuser`` leaves it.
         settings: name of ICD's preset.
 
     Raises:
         CheckpointError: missing or damaged weights, those of another task, or such as were not
             trained on one another.
     """
-    chosen, seen = PRESETS[settings], shipped_folder(env_id, LOCAL_FIELD)
+    chosen, seen = PRESETS[settings], folder / FIELD
+    if not seen.is_dir():
+        seen = shipped_folder(env_id, LOCAL_FIELD)
     for part in (LATENT, DIFFUSION):
         check_task(read_about(folder / part), env_id)
         check_made_with(folder / part, FIELD, seen)
     check_made_with(folder / DIFFUSION, LATENT, folder / LATENT)
     field, latent = load_field(seen), load_latent(folder / LATENT)
+    if latent.config.features != PLACE:
+        raise CheckpointError(
+            f"the autoencoder in {folder / LATENT} takes {latent.config.features} numbers a point, "
+            f"not the {PLACE} of a place: give what icd-bench train subgoal-diffuser has made"
+        )
+    denoiser = load_diffusion(folder / DIFFUSION)
+    check_chains(latent.config, denoiser.config)
     chain = replace(chosen.chain, ask_field=False)
-    generator = Generator(load_diffusion(folder / DIFFUSION), latent, chain)
+    generator = Generator(denoiser, latent, chain)
     source = DiffusedSource(field, latent, generator, seen_from="start")
     space = ScenePoints(field, "in place" if chain.inpaint_goal else "in its scene")
     return SubgoalTracker(source, space, preset(chosen.mppi), chosen.tracker)

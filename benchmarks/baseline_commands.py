@@ -15,6 +15,7 @@ from benchmarks.network_commands import (
     Device,
     Env,
     Episodes,
+    Field,
     Out,
     Seed,
     Steps,
@@ -29,6 +30,7 @@ def train_subgoal_diffuser(
     env: Env,
     data: Data,
     out: Out,
+    field: Field = None,
     device: Device = "cpu",
     latent_steps: LatentSteps = 4000,
     steps: Steps = 8000,
@@ -41,7 +43,7 @@ def train_subgoal_diffuser(
         from benchmarks.train_subgoal_diffuser import train
 
         order = TrainingOrder(env, data, out, device, steps, episodes, seed)
-        say(train(order, latent_steps=latent_steps), as_json)
+        say(train(order, field=field, latent_steps=latent_steps), as_json)
 
 
 def train_global_ndf(
@@ -74,6 +76,7 @@ def _policy_command(name: str) -> Callable[..., None]:
         env: Env,
         data: Data,
         out: Out,
+        field: Field = None,
         device: Device = "cpu",
         steps: Steps = 8000,
         episodes: Episodes = 1500,
@@ -90,7 +93,7 @@ def _policy_command(name: str) -> Callable[..., None]:
             from benchmarks.train_policy import train
 
             order = TrainingOrder(env, data, out, device, steps, episodes, seed)
-            say(train(name, order, solved_only=solved_only), as_json)
+            say(train(name, order, field=field, solved_only=solved_only), as_json)
 
     return train_policy
 

@@ -303,6 +303,7 @@ def collect(
     as_json: AsJson = False,
 ) -> None:
     """Record episodes of the noisy expert in training scenes."""
+    import_from_working_directory()
     with errors_in_one_line():
         from benchmarks import collect_command, progress
         from benchmarks.executors import make_executor

@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
+from benchmarks.parts import local_field, part
 from benchmarks.training_progress import training
 from icd_agent.chain import Features
 from icd_agent.checkpoints import weights_sha256
@@ -18,10 +19,11 @@ from icd_agent.field.train import load_field
 from icd_agent.scene_points import placed_in
 from icd_agent.scene_tokens import SceneTokens, scene_tokens
 from icd_agent.states import States, describe_states
-from icd_agent.weights import LOCAL_FIELD, shipped_chains, shipped_folder
 from icd_envs.api import Float32Array, FloatArray
 from icd_envs.demonstrations import Demonstrations
+from icd_envs.demonstrations.header import read_header
 from icd_envs.errors import DemonstrationsError
+from icd_envs.registration import check_env_id
 from icd_envs.tasks.problem import Split
 
 
@@ -41,16 +43,18 @@ def read_demonstrations(env_id: str, folder: Path, split: Split = "train") -> De
     """Read demonstrations that must be of one task.
 
     Args:
-        env_id: the task.
+        env_id: of the task, as ``gymnasium.make`` takes it: the module of ``module:ID`` is
+            imported, here as at recording it may be any that registers the id.
         folder: of the demonstrations.
         split: the scenes that they must be of.
 
     Raises:
+        InvalidOptionError: an id that is not registered.
         DemonstrationsError: missing, damaged, of another task or of other scenes.
     """
-    demonstrations = Demonstrations(folder)
-    header = demonstrations.header
-    if header.env_id != env_id:
+    check_env_id(env_id)
+    header = read_header(folder)
+    if header.env_id.rpartition(":")[2] != env_id.rpartition(":")[2]:
         raise DemonstrationsError(f"{folder} holds demonstrations of {header.env_id}, not {env_id}")
     if header.split != split:
         raise DemonstrationsError(
@@ -58,7 +62,7 @@ def read_demonstrations(env_id: str, folder: Path, split: Split = "train") -> De
             "scenes cannot be measured in them: collect others, or say in Python that "
             f"split={header.split!r} is meant"
         )
-    return demonstrations
+    return Demonstrations(folder)
 
 
 def about_of(demonstrations: Demonstrations, episodes: int) -> dict[str, Any]:
@@ -105,7 +109,7 @@ def describe(
     def descriptors(network: SceneField, scene: Float32Array) -> tuple[Features, SceneTokens]:
         return exact_features(network, scene), scene_tokens(network, scene)
 
-    folder = shipped_chains(env_id, FIELD) if field is None else field
+    folder = part(env_id, FIELD, field)
     demonstrations = read_demonstrations(env_id, data, split)
     return _describe(demonstrations, data, folder, episodes, descriptors, "descriptors")
 
@@ -134,7 +138,7 @@ def describe_places(
 
         return features, tokens
 
-    folder = shipped_folder(env_id, LOCAL_FIELD) if field is None else field
+    folder = local_field(env_id, field)
     demonstrations = read_demonstrations(env_id, data, split)
     states, about = _describe(demonstrations, data, folder, episodes, places, "places")
     begun = states.middle[states.first[states.episode]]

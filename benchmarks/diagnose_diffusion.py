@@ -12,6 +12,7 @@ from torch import Tensor
 
 from benchmarks.console import Values
 from benchmarks.held_out import held_out, other_runs
+from benchmarks.parts import chain_parts, check_places, part
 from icd_agent.checkpoints import check_made_with
 from icd_agent.diffusion.config import LONGEST, ChainConfig
 from icd_agent.diffusion.denoiser import Denoiser
@@ -26,13 +27,11 @@ from icd_agent.field.train import load_field
 from icd_agent.latent.model import LatentModel
 from icd_agent.latent.train import KIND as LATENT
 from icd_agent.latent.train import load_latent
+from icd_agent.options import require
 from icd_agent.scene_tokens import Frame
 from icd_agent.states import States
-from icd_agent.weights import shipped_chains
 from icd_envs.api import Float32Array, FloatArray
 
-UNREACHABLE = 1e-3
-"""[control steps] no pair is reachable within, so that every chain is refined to the end."""
 RUNS = 20
 """Noisy experts per scene whose states are called possible."""
 
@@ -50,7 +49,7 @@ def diagnose(
 
     Args:
         env_id: which environment.
-        scenes: how many test scenes.
+        scenes: how many test scenes, at least 2: the next one's goal and tokens are the others.
         seed: of scenes and chains.
         field: folder of the field; None is the package's.
         latent: folder of the autoencoder; None is the package's.
@@ -72,23 +71,23 @@ def diagnose(
         generated with another scene's tokens.
 
     Raises:
-        IcdError: unknown environment, missing or damaged weights.
+        IcdError: unknown environment, a single scene, missing or damaged weights, or such as were
+            not trained on one another.
     """
-    shipped = shipped_chains(env_id)
-    field = shipped / FIELD if field is None else field
-    latent = shipped / LATENT if latent is None else latent
-    weights = shipped / DIFFUSION if weights is None else weights
-    for folder in (latent, weights):
-        check_made_with(folder, FIELD, field)
-    check_made_with(weights, LATENT, latent)
-    model, denoiser = load_latent(latent), load_diffusion(weights)
-    generator = Generator(denoiser, model, ChainConfig(reachable=UNREACHABLE))
-    states, seeds, clouds = held_out(env_id, scenes, seed=seed, field=field)
+    require(scenes >= 2, "scenes", scenes, "at least 2: chains are compared between scenes")
+    parts, weights = chain_parts(env_id, field, latent), part(env_id, DIFFUSION, weights)
+    for name, used in ((FIELD, parts.field), (LATENT, parts.latent)):
+        check_made_with(weights, name, used)
+    denoiser = load_diffusion(weights)
+    check_places(denoiser)
+    network, model = load_field(parts.field), load_latent(parts.latent)
+    generator = Generator(denoiser, model, ChainConfig(reachable=None))
+    states, seeds, clouds = held_out(env_id, scenes, seed=seed, field=parts.field)
     latents = encode_states(states, model)
     rng = np.random.default_rng([seed])
     found = []
     for i in range(len(seeds)):
-        describe = _Describe(load_field(field), model, clouds[i], states.canonical)
+        describe = _Describe(network, model, clouds[i], states.canonical)
         possible = describe(other_runs(env_id, seeds[i], RUNS))
         found.append(_chain(states, latents, possible, describe, i, denoiser, generator, rng))
     return {

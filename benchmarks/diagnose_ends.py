@@ -10,13 +10,15 @@ import numpy as np
 
 from benchmarks.conditions import Condition, TaskSpec, make_env, parse_options
 from benchmarks.console import Values
+from benchmarks.parts import check_places
+from icd_agent.completion import Completion
 from icd_agent.diffused import DiffusedSource
 from icd_agent.diffusion.generate import Generator
 from icd_agent.field.space import ExactFieldSpace
 from icd_agent.networks import load_networks, load_shipped
 from icd_agent.presets import PRESETS, best_preset
-from icd_envs import ENV_IDS
-from icd_envs.errors import InvalidOptionError, unknown_name
+from icd_envs.demonstrations import find_task
+from icd_envs.errors import InvalidOptionError
 from icd_envs.tasks.env import ContactEnv
 
 SOLVED = 0.0
@@ -41,7 +43,8 @@ def diagnose(
         chains: asked for in each scene.
         weights: folder of field, latent and diffusion, as ``ICDAgent.from_pretrained`` takes it;
             None is the package's.
-        options: of the task, each as ``name=value``.
+        options: of the task, each as ``name=value``; in a partial view hidden points of the object
+            are guessed, as the agent does.
 
     Returns:
         ``right``, the share of last subgoals that solve the task; ``right_scenes``, the share of
@@ -53,9 +56,9 @@ def diagnose(
             last subgoal is not generated.
         CheckpointError: missing or damaged weights.
     """
-    if env_id not in ENV_IDS:
-        raise InvalidOptionError(unknown_name("environment id", env_id, ENV_IDS))
+    find_task(env_id)  # an environment that has none is refused
     networks = load_shipped(env_id) if weights is None else load_networks(weights, env_id)
+    check_places(networks.diffusion)
     settings = PRESETS[best_preset(env_id)].chain
     generator = Generator(networks.diffusion, networks.latent, settings)
     source = DiffusedSource(networks.encoded, networks.latent, generator)
@@ -68,6 +71,7 @@ def diagnose(
         for i in range(scenes):
             observation, info = env.reset(seed=seed + i)
             goal, episode = observation["desired_goal"], env.episode()
+            observation = Completion(episode.canonical_cloud)(observation)
             if not episode.foreign_goal:
                 raise InvalidOptionError(
                     f"env={env_id!r} has goals of the present scene, which are the last subgoal: "

@@ -10,15 +10,13 @@ from scipy.stats import spearmanr
 
 from benchmarks.console import Values
 from benchmarks.held_out import held_out
-from icd_agent.checkpoints import check_made_with
+from benchmarks.parts import chain_parts
 from icd_agent.diffusion.train import encode_states
-from icd_agent.field.train import KIND as FIELD
 from icd_agent.latent.model import LatentModel
 from icd_agent.latent.pairs import draw_pairs
 from icd_agent.latent.reachability import expected_steps, shortest_steps
-from icd_agent.latent.train import KIND, load_latent
+from icd_agent.latent.train import load_latent
 from icd_agent.states import States
-from icd_agent.weights import shipped_chains
 from icd_envs.api import Float64Array
 
 PAIRS = 4000
@@ -49,12 +47,9 @@ def diagnose(
     Raises:
         IcdError: unknown environment, missing or damaged weights.
     """
-    shipped = shipped_chains(env_id)
-    field = shipped / FIELD if field is None else field
-    weights = shipped / KIND if weights is None else weights
-    check_made_with(weights, FIELD, field)
-    model = load_latent(weights)
-    states = held_out(env_id, scenes, seed=seed, field=field).states
+    parts = chain_parts(env_id, field, weights)
+    model = load_latent(parts.latent)
+    states = held_out(env_id, scenes, seed=seed, field=parts.field).states
     latents = encode_states(states, model)
     return {
         "scenes": len(states.success),

@@ -9,11 +9,10 @@ from typing import Any
 
 import gymnasium as gym
 
+from benchmarks.parts import local_field
 from icd_agent.field.field import SceneField
 from icd_agent.field.train import load_field
-from icd_agent.weights import LOCAL_FIELD, shipped_folder
-from icd_envs import ENV_IDS
-from icd_envs.errors import InvalidOptionError, unknown_name
+from icd_envs.demonstrations import find_task
 from icd_envs.tasks.env import ContactEnv
 
 
@@ -31,9 +30,8 @@ def field_in_test_scenes(
         InvalidOptionError: unknown environment.
         CheckpointError: missing or damaged weights.
     """
-    if env_id not in ENV_IDS:
-        raise InvalidOptionError(unknown_name("environment id", env_id, ENV_IDS))
-    field = load_field(shipped_folder(env_id, LOCAL_FIELD) if weights is None else weights)
+    find_task(env_id)  # an environment that has none is refused
+    field = load_field(local_field(env_id, weights))
     env = gym.make(env_id, split="test").unwrapped
     assert isinstance(env, ContactEnv)
     try:

@@ -13,11 +13,9 @@ from benchmarks.described import describe
 from benchmarks.executors import InProcess
 from icd_agent.episodes import sound_episodes
 from icd_agent.states import EVERY, States
-from icd_envs import ENV_IDS
 from icd_envs.api import Float32Array
 from icd_envs.demonstrations import Demonstrations, find_task
 from icd_envs.demonstrations.header import Header
-from icd_envs.errors import InvalidOptionError, unknown_name
 from icd_envs.tasks.base import run_expert
 from icd_envs.tasks.problem import Split, scene_rng
 
@@ -50,8 +48,6 @@ def held_out(env_id: str, scenes: int, *, seed: int, field: Path | None) -> Held
     Raises:
         IcdError: unknown environment, missing or damaged weights.
     """
-    if env_id not in ENV_IDS:
-        raise InvalidOptionError(unknown_name("environment id", env_id, ENV_IDS))
     steps = find_task(env_id).max_steps
     header = Header(env_id=env_id, split=SPLIT, seed=seed, steps=steps, episodes=scenes)
     with TemporaryDirectory() as folder:
@@ -61,7 +57,7 @@ def held_out(env_id: str, scenes: int, *, seed: int, field: Path | None) -> Held
         recorded = Demonstrations(data)
         sound = sound_episodes(recorded, scenes)
         return HeldOut(
-            states._replace(features=states.features[:].copy()),
+            states._replace(features=np.array(states.features), clouds=np.array(states.clouds)),
             [int(each) for each in recorded.seeds[sound]],
             [recorded.scene(int(i)).cloud for i in sound],
         )

@@ -23,7 +23,7 @@ GROUPS: Final = {
     "diagnose": typer.Typer(help="Measure a network in test scenes."),
     "render": typer.Typer(help="Draw what a network has learned, or an episode."),
 }
-Env = Annotated[str, typer.Option(help="Environment id.")]
+Env = Annotated[str, typer.Option(help="Environment id; of your own, module:ID.")]
 Weights = Annotated[
     Path | None,
     typer.Option(help="Folder of a trained network.", show_default="those of the package"),
@@ -54,7 +54,8 @@ Steps = Annotated[int, typer.Option(min=1, help="Optimiser steps.")]
 @GROUPS["diagnose"].callback()
 @GROUPS["render"].callback()
 def _group() -> None:
-    """Make Typer keep the name of a group's only command."""
+    """Find ids of the user's own in modules beside them; a group keeps its only command's name."""
+    import_from_working_directory()
 
 
 @GROUPS["train"].command("field")
@@ -275,7 +276,6 @@ def render_episode(
     trust_pickle: TrustPickle = False,
 ) -> None:
     """Draw one test episode."""
-    import_from_working_directory()
     with errors_in_one_line():
         from benchmarks.render_episode import render
 

@@ -9,6 +9,7 @@ import gymnasium as gym
 import numpy as np
 
 from benchmarks.figures import Colours, new_figure, save_figure
+from benchmarks.parts import check_places
 from icd_agent.diffused import DiffusedSource
 from icd_agent.diffusion.generate import Generator
 from icd_agent.field.space import ExactFieldSpace
@@ -16,9 +17,8 @@ from icd_agent.field.supervision import above_floor
 from icd_agent.mppi.costs import squared_distance
 from icd_agent.networks import load_networks, load_shipped
 from icd_agent.presets import PRESETS
-from icd_envs import ENV_IDS
 from icd_envs.api import Float32Array, FloatArray
-from icd_envs.errors import InvalidOptionError, unknown_name
+from icd_envs.demonstrations import find_task
 from icd_envs.tasks.env import ContactEnv
 
 if TYPE_CHECKING:
@@ -42,10 +42,10 @@ def render(env_id: str, out: Path, *, seed: int, weights: Path | None) -> None:
         InvalidOptionError: unknown environment, a file that is no PNG, or no Matplotlib.
         CheckpointError: missing or damaged weights.
     """
-    if env_id not in ENV_IDS:
-        raise InvalidOptionError(unknown_name("environment id", env_id, ENV_IDS))
+    find_task(env_id)  # an environment that has none is refused
     figure = new_figure(out, (14, 9))
     networks = load_shipped(env_id) if weights is None else load_networks(weights, env_id)
+    check_places(networks.diffusion)
     env = gym.make(env_id, split="test").unwrapped
     assert isinstance(env, ContactEnv)
     try:

@@ -14,9 +14,9 @@ from benchmarks.conditions import Condition, TaskSpec, make_env, parse_options
 from benchmarks.errors import blaming
 from benchmarks.figures import new_figure, save_figure
 from benchmarks.registry import Offer, make_agent
-from icd_envs import ENV_IDS
 from icd_envs.api import Agent, SimState
-from icd_envs.errors import InvalidOptionError, unknown_name
+from icd_envs.demonstrations import find_task
+from icd_envs.errors import InvalidOptionError
 from icd_envs.tasks.env import ContactEnv
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ def render(
 
     Args:
         agent_name: any agent that ``icd-bench run`` takes.
-        env_id: which environment of this package.
+        env_id: which environment, with a task of this package or of your own.
         out: PNG file, for eight pictures at equal intervals, first and last state included; or GIF
             file, for a film.
         seed: of scene and agent.
@@ -64,8 +64,7 @@ def render(
             Matplotlib or Pillow.
         AgentFailedError: the agent raised.
     """
-    if env_id not in ENV_IDS:
-        raise InvalidOptionError(unknown_name("environment id", env_id, ENV_IDS))
+    find_task(env_id)  # an environment that has none is refused
     if out.suffix not in (".png", ".gif"):
         raise InvalidOptionError(
             f"out={str(out)!r} cannot be used: give a name that ends in .png or .gif"

@@ -6,13 +6,11 @@ from pathlib import Path
 
 from benchmarks.console import Values
 from benchmarks.described import describe
-from icd_agent.checkpoints import check_made_with, save_checkpoint, weights_sha256
+from benchmarks.parts import chain_parts
+from icd_agent.checkpoints import save_checkpoint, weights_sha256
 from icd_agent.diffusion.retrieval import KIND, make_bank
 from icd_agent.diffusion.train import encode_states
-from icd_agent.field.train import KIND as FIELD
-from icd_agent.latent.train import KIND as LATENT
 from icd_agent.latent.train import load_latent
-from icd_agent.weights import shipped_chains
 from icd_envs.tasks.problem import Split
 
 CHAINS = 300
@@ -45,13 +43,10 @@ def bank(
     Raises:
         IcdError: unfitting data or weights, or no episode that solved its task.
     """
-    shipped = shipped_chains(env_id)
-    field = shipped / FIELD if field is None else field
-    latent = shipped / LATENT if latent is None else latent
-    check_made_with(latent, FIELD, field)
-    network = load_latent(latent)
-    states, about = describe(env_id, data, field, episodes, split)
+    parts = chain_parts(env_id, field, latent)
+    network = load_latent(parts.latent)
+    states, about = describe(env_id, data, parts.field, episodes, split)
     kept = make_bank(states, encode_states(states, network), CHAINS)
-    about = {**about, "latent": weights_sha256(latent), "episodes": len(states.success)}
+    about = {**about, "latent": weights_sha256(parts.latent), "episodes": len(states.success)}
     save_checkpoint(out, KIND, kept, kept.config, {"data": about})
     return {"out": str(out), "chains": kept.config.chains}

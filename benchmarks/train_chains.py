@@ -103,12 +103,11 @@ def fit_chains(
     denoiser = fit_diffusion(
         described, order.part(DIFFUSION), order.out / LATENT, places=places, width=width
     )
-    parameters = sum(x.numel() for part in (encoder, denoiser) for x in part.model.parameters())
     terms = {f"latent_{name}": value for name, value in encoder.terms.items()}
     return {
         "out": str(order.out),
         "seed": described.about["seed"],
-        "parameters": parameters,
+        "parameters": encoder.parameters + denoiser.parameters,
         **terms,
         **denoiser.terms,
     }

@@ -97,5 +97,4 @@ def train(
     settings = TrainingConfig(steps=scales.steps, learning_rate=2e-3, seed=seed)
     with training(f"field of {env_id}", scales.steps) as seen:
         trained = train_field(data, config, settings, out, about=about, device=device, seen=seen)
-    parameters = sum(value.numel() for value in trained.model.parameters())
-    return {"out": str(out), "scenes": len(data), "parameters": parameters, **trained.terms}
+    return {"out": str(out), "scenes": len(data), "parameters": trained.parameters, **trained.terms}

@@ -7,14 +7,11 @@ from typing import Any
 
 from benchmarks.console import Values
 from benchmarks.described import describe
+from benchmarks.parts import chain_parts
 from benchmarks.train_chains import fit_diffusion, fit_latent
 from benchmarks.training_order import TrainingOrder
-from icd_agent.checkpoints import check_made_with
-from icd_agent.field.train import KIND as FIELD
-from icd_agent.latent.train import KIND as LATENT
 from icd_agent.training.device import check_device
 from icd_agent.training.loop import Trained
-from icd_agent.weights import shipped_chains
 
 
 def latent(order: TrainingOrder, *, field: Path | None) -> Values:
@@ -51,15 +48,16 @@ def diffusion(order: TrainingOrder, *, field: Path | None, latent: Path | None) 
         IcdError: unfitting data or weights, unusable device, see also ``train_diffusion``.
     """
     check_device(order.device)
-    shipped = shipped_chains(order.env_id)
-    field = shipped / FIELD if field is None else field
-    latent = shipped / LATENT if latent is None else latent
-    check_made_with(latent, FIELD, field)
-    described = describe(order.env_id, order.data, field, order.episodes, order.split)
-    trained = fit_diffusion(described, order, latent)
+    parts = chain_parts(order.env_id, field, latent)
+    described = describe(order.env_id, order.data, parts.field, order.episodes, order.split)
+    trained = fit_diffusion(described, order, parts.latent)
     return _values(order, trained, described.about)
 
 
 def _values(order: TrainingOrder, trained: Trained, about: dict[str, Any]) -> Values:
-    parameters = sum(value.numel() for value in trained.model.parameters())
-    return {"out": str(order.out), "seed": about["seed"], "parameters": parameters, **trained.terms}
+    return {
+        "out": str(order.out),
+        "seed": about["seed"],
+        "parameters": trained.parameters,
+        **trained.terms,
+    }

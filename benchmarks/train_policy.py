@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Final
 
 from benchmarks.console import Values
 from benchmarks.described import about_of, read_demonstrations
+from benchmarks.parts import keep_beside, local_field
 from benchmarks.training_order import TrainingOrder
 from benchmarks.training_progress import training
 from icd_agent.checkpoints import weights_sha256
@@ -17,7 +19,8 @@ from icd_agent.policy.train import train_policy
 from icd_agent.scene_tokens import SURFACE
 from icd_agent.training.config import TrainingConfig
 from icd_agent.training.device import check_device
-from icd_agent.weights import DIFFUSION_POLICY, DP3, LOCAL_FIELD, shipped_folder
+from icd_agent.weights import DIFFUSION_POLICY, DP3
+from icd_envs.errors import InvalidOptionError
 
 KEY_POINTS: Final = 25
 POINTS: Final = 128
@@ -27,31 +30,36 @@ TEMPERATURE: Final = 0.5
 """Demonstrated actions are noisy; with all of that noise, policies run out of time."""
 
 
-def train(name: str, order: TrainingOrder, *, solved_only: bool) -> Values:
+def train(name: str, order: TrainingOrder, *, field: Path | None, solved_only: bool) -> Values:
     """Train a policy on recorded actions, save.
 
     Args:
         name: ``diffusion-policy`` or ``dp3``.
         order: what to train on, and where to.
+        field: folder of the field by which scenes are seen; None is the package's. One that is
+            given is copied beside the weights.
         solved_only: imitate only those of the episodes that solved their task.
 
     Returns:
         Names and values for the user.
 
     Raises:
-        IcdError: unfitting data, unusable device, see also ``train_policy``.
+        IcdError: unfitting data, a field for ``dp3``, which has none, unusable device, see also
+            ``train_policy``.
     """
     check_device(order.device)
+    if name != DIFFUSION_POLICY and field is not None:
+        raise InvalidOptionError(f"field={str(field)!r} cannot be used: {name} sees points")
     demonstrations = read_demonstrations(order.env_id, order.data, order.split)
     about = {**about_of(demonstrations, order.episodes), "solved_only": solved_only}
-    field = None
+    network = None
     if name == DIFFUSION_POLICY:
-        folder = shipped_folder(order.env_id, LOCAL_FIELD)
-        field, about["field"] = load_field(folder), weights_sha256(folder)
-    config = policy_config(name, 0 if field is None else field.config.descriptor)
+        folder = local_field(order.env_id, field)
+        network, about["field"] = load_field(folder), weights_sha256(folder)
+    config = policy_config(name, 0 if network is None else network.config.descriptor)
     windows = PolicyData(
         demonstrations,
-        Look(config, field),
+        Look(config, network),
         config,
         episodes=order.episodes,
         solved_only=solved_only,
@@ -67,11 +75,11 @@ def train(name: str, order: TrainingOrder, *, solved_only: bool) -> Values:
         trained = train_policy(
             windows, config, settings, order.out, about=about, device=order.device, seen=seen
         )
-    parameters = sum(value.numel() for value in trained.model.parameters())
+    keep_beside(field, order.out)
     return {
         "out": str(order.out),
         "episodes": windows.episodes,
-        "parameters": parameters,
+        "parameters": trained.parameters,
         **trained.terms,
     }
 

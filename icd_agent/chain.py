@@ -26,11 +26,14 @@ class Placed(NamedTuple):
         goal: features in the scene that the goal was specified in; the same except in the
             adaptation tasks, and may be slow.
         back: clouds (..., N, 3) [m] of features (..., N, D), where features are places; else None.
+        beside: how many of the D features are not the space's own: the last ones, see
+            ``WithPlaces``.
     """
 
     here: Features
     goal: Features
     back: Features | None = None
+    beside: int = 0
 
 
 class CostSpace(Protocol):
@@ -54,11 +57,14 @@ class Subgoals(NamedTuple):
         features: (L, N, D) in the cost space, L >= 1.
         clouds: (L, N, 3) [m] the same as object clouds, for viewers; None if the source has none.
         begin: (N, D) where the chain begins, as the source sees it; None is the present state.
+        steps: (L,) predicted control steps to each from the one before, to the first from now; None
+            if the source predicts none.
     """
 
     features: FloatArray
     clouds: FloatArray | None = None
     begin: FloatArray | None = None
+    steps: FloatArray | None = None
 
 
 class SubgoalSource(Protocol):
@@ -140,7 +146,8 @@ class WithPlaces:
     def place(self, observation: Observation, *, foreign: bool = False) -> Placed:
         """Place the other space; (..., N, D) become (..., N, D + 3)."""
         placed = self._space.place(observation, foreign=foreign)
-        return Placed(self._beside(placed.here), self._beside(placed.goal))
+        here, goal = self._beside(placed.here), self._beside(placed.goal)
+        return Placed(here, goal, beside=placed.beside + 3)
 
     def _beside(self, features: Features) -> Features:
         def joined(points: FloatArray) -> FloatArray:

@@ -19,6 +19,7 @@ from icd_agent.latent.model import LatentModel
 from icd_agent.options import require
 from icd_agent.scene_tokens import Frame, SceneTokens, scene_tokens
 from icd_envs.api import Episode, FloatArray, Observation
+from icd_envs.errors import CheckpointError
 
 
 class ChainGenerator(Protocol):
@@ -88,6 +89,9 @@ class DiffusedSource:
         """Begin an episode: look at its scene, generate subgoals from now to the goal.
 
         Now itself is not one of them.
+
+        Raises:
+            CheckpointError: the space has other features than the latents were trained on.
         """
         self._tokens = scene_tokens(self._field, seen_scene(observation))
         self._encoded = space
@@ -123,9 +127,15 @@ class DiffusedSource:
     ) -> _Asked:
         canonical = episode.canonical_cloud
         now, wanted = observation["achieved_goal"], observation["desired_goal"]
-        encoded, described = self._encoded, self._latent.config.features
-        features = np.stack([encoded.here(now), encoded.goal(wanted)])[..., :described]
-        latents = encode(self._latent, features, canonical)
+        encoded = self._encoded
+        features = np.stack([encoded.here(now), encoded.goal(wanted)])
+        described = features.shape[-1] - encoded.beside
+        if described != self._latent.config.features:
+            raise CheckpointError(
+                f"the space describes points by {described} numbers, but these latents were "
+                f"trained on {self._latent.config.features}: use the field they were trained with"
+            )
+        latents = encode(self._latent, features[..., :described], canonical)
         assert self._tokens is not None
         tokens = self._tokens
         middle = now.mean(axis=0) if self._seen_from == "now" else self._start
@@ -160,7 +170,8 @@ class DiffusedSource:
         if clouds is None and space.back is not None:
             clouds = space.back(features)
         self._last = asked
-        return Subgoals(features[1:], None if clouds is None else clouds[1:], features[0])
+        made = None if clouds is None else clouds[1:]
+        return Subgoals(features[1:], made, features[0], found.steps.numpy())
 
 
 def _placed(frame: Frame, cloud: FloatArray) -> Tensor:

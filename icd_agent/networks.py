@@ -18,12 +18,14 @@ from icd_agent.checkpoints import (
     trained_for,
     weights_sha256,
 )
+from icd_agent.diffusion.config import DiffusionConfig
 from icd_agent.diffusion.denoiser import Denoiser
 from icd_agent.diffusion.train import KIND as DIFFUSION
 from icd_agent.diffusion.train import load_diffusion
 from icd_agent.field.field import SceneField
 from icd_agent.field.train import KIND as FIELD
 from icd_agent.field.train import load_field
+from icd_agent.latent.config import LatentConfig
 from icd_agent.latent.model import LatentModel
 from icd_agent.latent.train import KIND as LATENT
 from icd_agent.latent.train import load_latent
@@ -90,7 +92,7 @@ def load_networks(folder: Path, env_id: str | None = None) -> Networks:
 
     Raises:
         CheckpointError: missing or damaged weights, of networks that were not trained on one
-            another, or of another task than that of ``env_id``.
+            another (see also ``check_fit``), or of another task than that of ``env_id``.
     """
     folder = current(folder)
     field, latent = load_field(folder / FIELD), load_latent(folder / LATENT)
@@ -104,6 +106,7 @@ def load_networks(folder: Path, env_id: str | None = None) -> Networks:
     found = Networks(field, latent, diffusion, whole, about)
     for task in (found.env_id, env_id):
         found.check_task(task)
+    check_fit(found)
     return found
 
 
@@ -162,7 +165,7 @@ def save_networks(networks: Networks, folder: Path) -> None:
 
 
 def check_fit(networks: Networks) -> None:
-    """Refuse networks of different widths.
+    """Refuse networks of different sizes.
 
     Raises:
         CheckpointError: they were not trained on one another.
@@ -175,11 +178,22 @@ def check_fit(networks: Networks) -> None:
             f"{latent.features} features and scene tokens of {latent.scene_features}, the denoiser "
             f"of {diffusion.scene_features}: use networks that were trained on one another"
         )
-    if latent.latent != diffusion.latent:
-        raise CheckpointError(
-            f"latents have {latent.latent} numbers, but the denoiser takes {diffusion.latent} "
-            "numbers: use networks that were trained on one another"
-        )
+    check_chains(latent, diffusion)
+
+
+def check_chains(latent: LatentConfig, diffusion: DiffusionConfig) -> None:
+    """Refuse a denoiser of latents of other sizes, objects or scenes.
+
+    Raises:
+        CheckpointError: they were not trained on one another.
+    """
+    for name in ("latent", "points", "scene_features", "scene_size"):
+        has, takes = getattr(latent, name), getattr(diffusion, name)
+        if has != takes:
+            raise CheckpointError(
+                f"{name}={has} of the autoencoder, but {name}={takes} of the denoiser: use "
+                "networks that were trained on one another"
+            )
 
 
 def find_folder(source: str | Path) -> Path | None:

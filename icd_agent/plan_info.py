@@ -35,6 +35,8 @@ class PlanInfo:
         subgoals: (L, N, 3) [m] the chain as object clouds; None if its source has none.
         rollout: where the K samples led.
         costs: (K,) of the samples; inf where the physics diverged.
+        steps: (L,) predicted control steps to each subgoal from the one before, to the first from
+            where the chain began; None if its source predicts none.
     """
 
     status: Status
@@ -51,6 +53,7 @@ class PlanInfo:
     subgoals: FloatArray | None = field(repr=False)
     rollout: Rollout = field(repr=False)
     costs: Float64Array = field(repr=False)
+    steps: FloatArray | None = field(repr=False)
 
     def view(self) -> PlanView:
         """What can be drawn: subgoals, the plan and the best few samples."""

@@ -51,7 +51,9 @@ class TrackerConfig:
             minimum over all that remain, which can jump ahead of a change of contact.
         patience: control steps without a subgoal removed after which one is skipped; None is never.
         replan_every: control steps after which the source is asked for another chain, as it also is
-            when patience has run out; None is never. T of the paper.
+            when patience has run out; None is never. T of the paper. The act at which the first
+            chain is made is one of them, the act at which a question is asked is none: with 20,
+            acts 21, 42, 63, ... ask, if the first is 1 and patience never runs out.
         collision_weight: lambda_col [cost per metre of penetration and step]. The paper gives no
             value; at 1, one sphere 5 mm deep for one step costs one temperature of the paper.
     """
@@ -193,6 +195,7 @@ class SubgoalTracker:
             subgoals=self._subgoals.clouds,
             rollout=rollout,
             costs=costs,
+            steps=self._subgoals.steps,
         )
         return action
 

@@ -39,8 +39,6 @@ from icd_envs.tasks.env import ContactEnv
 ENV_ID: Final = "ICDCableRouting-v0"
 PHYSICS_SAMPLES: Final = 16
 HORIZON: Final = 10
-UNREACHABLE: Final = 1e-3
-"""[control steps] no pair is reachable within, so that a chain is refined to the end."""
 
 
 def measure(repeats: int = 5) -> dict[str, float]:
@@ -144,7 +142,7 @@ def _measure_replanning(
     """A whole new chain of 17 (encode, diffuse, ask the field), beside a step of MPPI."""
     networks = load_shipped(ENV_ID)
     space = FieldSpace(networks.field).place(observation)
-    settings = replace(PRESETS[best_preset(ENV_ID)].chain, reachable=UNREACHABLE)
+    settings = replace(PRESETS[best_preset(ENV_ID)].chain, reachable=None)
     generator = _TimedGenerator(networks.diffusion, networks.latent, settings)
     encoded_in = ExactFieldSpace(networks.encoded)
     source = DiffusedSource(networks.encoded, networks.latent, generator, encoded_in=encoded_in)

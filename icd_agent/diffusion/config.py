@@ -72,7 +72,7 @@ class ChainConfig:
             kept.
         denoising_steps: of DDIM, per level; see ``check_denoising``.
         reachable: [control steps] a chain is refined while any pair is predicted to be farther
-            apart.
+            apart; None is to the end, to ``LONGEST`` subgoals.
         ask_field: descriptors of a subgoal are those that the field has at its generated places;
             otherwise they are decoded from its latent (the paper).
         inpaint_goal: the last subgoal is the goal as it was given (the paper). Otherwise it is
@@ -83,7 +83,7 @@ class ChainConfig:
 
     chains: int = 8
     denoising_steps: int = 12
-    reachable: float = 15.0
+    reachable: float | None = 15.0
     ask_field: bool = True
     inpaint_goal: bool = False
     keep_shorter: bool = True
@@ -96,5 +96,6 @@ class ChainConfig:
         """
         for name in ("chains", "denoising_steps"):
             require(is_count(getattr(self, name)), name, getattr(self, name), "an integer >= 1")
-        good = is_finite(self.reachable) and self.reachable > 0
-        require(good, "reachable", self.reachable, "control steps > 0")
+        within = self.reachable
+        good = within is None or (is_finite(within) and within > 0)
+        require(good, "reachable", within, "control steps > 0, or None")

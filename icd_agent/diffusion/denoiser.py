@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Final, NamedTuple
+from typing import Final, NamedTuple, cast
 
 import torch
 from torch import Tensor, nn
@@ -40,6 +40,18 @@ class Known(NamedTuple):
     level: Tensor
 
 
+class KeyValue(NamedTuple):
+    """What attention reads of its memory.
+
+    Attributes:
+        key: (B, heads, M, width / heads).
+        value: of the same shape.
+    """
+
+    key: Tensor
+    value: Tensor
+
+
 class Denoiser(nn.Module):
     """Predicts the clean subgoals of a chain, as its code has them.
 
@@ -67,14 +79,32 @@ class Denoiser(nn.Module):
         self.blocks = nn.ModuleList(_Block(config) for _ in range(config.layers))
         self.out = nn.Linear(width, numbers)
 
-    def forward(self, noisy: Tensor, time: Tensor, known: Known) -> Tensor:
+    def look(self, goal: Tensor, foreign: Tensor, scene: Tensor) -> list[KeyValue]:
+        """What every block reads of goal and scene: the same at all steps and levels of a chain.
+
+        Args:
+            goal: (B, V) as in ``Known``, as are the others.
+            foreign: (B,).
+            scene: (B, A, 3 + F).
+        """
+        told = self.goal(goal) + self.foreign(foreign.long())
+        places = self.scene(scene[:, : self.config.scene_tokens])
+        memory = torch.cat([places, told[:, None]], dim=1)
+        return [cast(_Block, block).around.read(memory) for block in self.blocks]
+
+    def forward(
+        self, noisy: Tensor, time: Tensor, known: Known, seen: list[KeyValue] | None = None
+    ) -> Tensor:
         """Clean subgoals (B, L, V).
 
         Args:
             noisy: (B, L, V).
             time: (B,) step of the diffusion, in [0, ``config.steps``).
             known: the rest.
+            seen: what ``look`` has found of its goals and scenes; None is to look now.
         """
+        if seen is None:
+            seen = self.look(known.goal, known.foreign, known.scene)
         width = self.config.width
         where = torch.linspace(0.0, 1.0, noisy.shape[1], device=noisy.device)
         tokens = (
@@ -83,12 +113,9 @@ class Denoiser(nn.Module):
             + self.kind(known.kinds)
             + self.place(_waves(where, width))
         )
-        goal = self.goal(known.goal) + self.foreign(known.foreign.long())
-        scene = self.scene(known.scene[:, : self.config.scene_tokens])
-        memory = torch.cat([scene, goal[:, None]], dim=1)
         condition = self.time(_waves(time / self.config.steps, width)) + self.level(known.level)
-        for block in self.blocks:
-            tokens = block(tokens, memory, condition)
+        for block, around in zip(self.blocks, seen, strict=True):
+            tokens = block(tokens, around, condition)
         clean: Tensor = self.out(functional.layer_norm(tokens, (width,)))
         return clean
 
@@ -106,12 +133,12 @@ class _Block(nn.Module):
             nn.Linear(width, 4 * width), nn.SiLU(), nn.Linear(4 * width, width)
         )
 
-    def forward(self, tokens: Tensor, memory: Tensor, condition: Tensor) -> Tensor:
+    def forward(self, tokens: Tensor, around: KeyValue, condition: Tensor) -> Tensor:
         parts = self.steer(functional.silu(condition))[:, None].chunk(9, dim=-1)
         normal = self._normalise(tokens, parts[0], parts[1])
-        tokens = tokens + parts[2] * self.among(normal, normal)
+        tokens = tokens + parts[2] * self.among(normal, self.among.read(normal))
         normal = self._normalise(tokens, parts[3], parts[4])
-        tokens = tokens + parts[5] * self.around(normal, memory)
+        tokens = tokens + parts[5] * self.around(normal, around)
         normal = self._normalise(tokens, parts[6], parts[7])
         steered: Tensor = tokens + parts[8] * self.perceptron(normal)
         return steered
@@ -128,10 +155,12 @@ class _Attention(nn.Module):
         self.key_value = nn.Linear(memory, 2 * width)
         self.out = nn.Linear(width, width)
 
-    def forward(self, tokens: Tensor, memory: Tensor) -> Tensor:
+    def read(self, memory: Tensor) -> KeyValue:
+        return KeyValue(*map(self._split, self.key_value(memory).chunk(2, dim=-1)))
+
+    def forward(self, tokens: Tensor, read: KeyValue) -> Tensor:
         query = self._split(self.query(tokens))
-        key, value = map(self._split, self.key_value(memory).chunk(2, dim=-1))
-        found = functional.scaled_dot_product_attention(query, key, value)
+        found = functional.scaled_dot_product_attention(query, read.key, read.value)
         gathered: Tensor = self.out(found.transpose(1, 2).flatten(2))
         return gathered
 

@@ -9,10 +9,11 @@ import torch
 from torch import Tensor
 
 from icd_agent.diffusion.config import LEVELS, ChainConfig
-from icd_agent.diffusion.denoiser import COARSE, GIVEN, UNKNOWN, Denoiser, Known
+from icd_agent.diffusion.denoiser import COARSE, GIVEN, UNKNOWN, Denoiser, KeyValue, Known
 from icd_agent.diffusion.schedule import check_denoising, make_schedule
 from icd_agent.latent.model import LatentModel
 from icd_agent.latent.reachability import shortest_steps
+from icd_agent.options import require
 
 
 class Task(NamedTuple):
@@ -45,6 +46,20 @@ class Generated(NamedTuple):
     steps: Tensor
 
 
+class _Told(NamedTuple):
+    """What is the same for C chains at all levels; see ``Known``.
+
+    Attributes:
+        goal: (C, V).
+        foreign: (C,) bool.
+        scene: (C, A, 3 + F).
+    """
+
+    goal: Tensor
+    foreign: Tensor
+    scene: Tensor
+
+
 class Generator:
     """Draws chains with trained networks.
 
@@ -62,9 +77,18 @@ class Generator:
             config: how.
 
         Raises:
-            InvalidOptionError: ``config.denoising_steps`` do not fit the denoiser's diffusion.
+            InvalidOptionError: ``config.denoising_steps`` do not fit the denoiser's diffusion, or
+                ``reachable`` is less than any pair is ever predicted to be apart.
         """
         check_denoising(config.denoising_steps, denoiser.config.steps)
+        within, bins = config.reachable, latent.config.bin_steps
+        require(
+            within is None or within > bins / 2,
+            "reachable",
+            within,
+            f"more than {bins / 2:g} control steps, the middle of the first of these latents' bins "
+            f"of {bins}, or None to refine every chain to the end",
+        )
         self._denoiser = denoiser
         self.code = denoiser.code
         self._latent = latent
@@ -80,15 +104,21 @@ class Generator:
             task: where from and where to.
             rng: source of every draw.
         """
-        count = self.config.chains
+        count, within = self.config.chains, self.config.reachable
         foreign = task.foreign and not self.config.inpaint_goal
         chains = torch.stack([task.now, task.goal]).expand(count, -1, -1)
+        told = _Told(
+            task.goal.expand(count, -1),
+            torch.full((count,), task.foreign),
+            task.scene.expand(count, -1, -1),
+        )
+        seen = self._denoiser.look(*told)
         for level in range(1, LEVELS + 1):
-            chains = self._refine(chains, task, level, foreign, rng)
+            chains = self._refine(chains, told, seen, level, foreign, rng)
             chain = self._most_alike(chains, self.code.shares)
             latents = self.code.latents(chain)
             steps = self.steps(latents[None], task.scene)[0]
-            if float(steps.max()) <= self.config.reachable:
+            if within is not None and float(steps.max()) <= within:
                 break
         return Generated(latents, self.code.clouds(chain), steps)
 
@@ -111,30 +141,29 @@ class Generator:
         return chains[int(apart.sum(dim=1).argmin())]
 
     def _refine(
-        self, chains: Tensor, task: Task, level: int, foreign: bool, rng: np.random.Generator
+        self,
+        chains: Tensor,
+        told: _Told,
+        seen: list[KeyValue],
+        level: int,
+        generated: bool,
+        rng: np.random.Generator,
     ) -> Tensor:
-        """Chains (C, 2^(level-1) + 1, V) -> (C, 2^level + 1, V)."""
+        """Chains (C, 2^(level-1) + 1, V) -> (C, 2^level + 1, V); perhaps with a generated end."""
         count, length = len(chains), 2**level + 1
         shown = chains.new_zeros(count, length, chains.shape[-1])
         shown[:, ::2] = chains
         kinds = torch.full((length,), UNKNOWN)
         kinds[::2] = COARSE
         kinds[0] = GIVEN
-        kinds[-1] = GIVEN if not foreign else COARSE if level > 1 else UNKNOWN
+        kinds[-1] = GIVEN if not generated else COARSE if level > 1 else UNKNOWN
         shown = shown * (kinds != UNKNOWN)[:, None]
-        known = Known(
-            shown,
-            kinds.expand(count, -1),
-            task.goal.expand(count, -1),
-            torch.full((count,), task.foreign),
-            task.scene.expand(count, -1, -1),
-            torch.full((count,), level),
-        )
+        known = Known(shown, kinds.expand(count, -1), *told, torch.full((count,), level))
         given = (kinds == GIVEN)[:, None]
         noise = rng.normal(size=shown.shape).astype(np.float32)
         values = torch.where(given, shown, torch.from_numpy(noise))
         for time in self._schedule.timesteps:
-            clean = self._denoiser(values, time.expand(count), known)
+            clean = self._denoiser(values, time.expand(count), known, seen)
             clean = torch.where(given, shown, clean)
             values = self._schedule.step(clean, time, values, return_dict=False)[0]
             values = torch.where(given, shown, values)

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 import torch
@@ -114,5 +113,4 @@ def load_bank(folder: Path) -> ChainBank:
     Raises:
         CheckpointError: see ``icd_agent.checkpoints.load_checkpoint``.
     """
-    make: Callable[[dict[str, Any]], ChainBank] = lambda given: ChainBank(BankConfig(**given))  # noqa: E731
-    return load_checkpoint(folder, KIND, make)
+    return load_checkpoint(folder, KIND, lambda given: ChainBank(BankConfig(**given)))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from copy import deepcopy
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, cast
@@ -151,5 +150,4 @@ def load_diffusion(folder: Path) -> Denoiser:
     Raises:
         CheckpointError: see ``icd_agent.checkpoints.load_checkpoint``.
     """
-    make: Callable[[dict[str, Any]], Denoiser] = lambda given: Denoiser(DiffusionConfig(**given))  # noqa: E731
-    return load_checkpoint(folder, KIND, make)
+    return load_checkpoint(folder, KIND, lambda given: Denoiser(DiffusionConfig(**given)))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final
 
@@ -64,5 +63,4 @@ def load_field(folder: Path) -> SceneField:
     Raises:
         CheckpointError: see ``icd_agent.checkpoints.load_checkpoint``.
     """
-    make: Callable[[dict[str, Any]], SceneField] = lambda fields: SceneField(FieldConfig(**fields))  # noqa: E731
-    return load_checkpoint(folder, KIND, make)
+    return load_checkpoint(folder, KIND, lambda given: SceneField(FieldConfig(**given)))

@@ -56,6 +56,7 @@ class Encoder(nn.Module):
         self.part = _perceptron(config.features + 3, width, 2 * width)
         self.whole = _perceptron(2 * width + 3, 2 * width, 4 * width)
         self.out = nn.Linear(8 * width, 2 * config.latent)
+        self._divided: tuple[Tensor, Parts] | None = None
 
     def forward(self, features: Tensor, canonical: Tensor) -> tuple[Tensor, Tensor]:
         """What is added to the linear latent, and the logarithm of the variance.
@@ -67,7 +68,7 @@ class Encoder(nn.Module):
         Returns:
             (B, Z) each.
         """
-        parts = divide(canonical, self.config)
+        parts = self._divide(canonical)
         members = features[:, parts.members]
         offsets = parts.offsets.expand(len(features), -1, -1, -1)
         told = self.part(torch.cat([members, offsets], dim=-1)).amax(dim=2)
@@ -76,6 +77,13 @@ class Encoder(nn.Module):
         pooled = torch.cat([whole.amax(dim=1), whole.mean(dim=1)], dim=-1)
         mean, log_variance = self.out(pooled).chunk(2, dim=-1)
         return mean, (log_variance + BEGIN).clamp(-20.0, 4.0)
+
+    def _divide(self, canonical: Tensor) -> Parts:
+        """Parts of a canonical cloud; those of the last one are kept, it is mostly the same."""
+        last = self._divided
+        if last is None or last[0].device != canonical.device or not last[0].equal(canonical):
+            self._divided = last = canonical.clone(), divide(canonical, self.config)
+        return last[1]
 
 
 class Decoder(nn.Module):

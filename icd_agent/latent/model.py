@@ -78,10 +78,12 @@ class LatentModel(nn.Module):
             canonical: (N, 3) [m] the object in its rest frame.
 
         Raises:
-            InvalidOptionError: another number of points than it was trained with.
+            InvalidOptionError: another number of points, or of features, than it was trained with.
         """
-        points = self.config.points
-        require(features.shape[1] == points, "points", features.shape[1], f"{points}, as trained")
+        trained = self.config.points, self.config.features
+        told = f"(B, {trained[0]}, {trained[1]}), points and features as trained"
+        require(features.shape[1:] == trained, "features.shape", tuple(features.shape), told)
+        require(len(canonical) == trained[0], "canonical", len(canonical), f"{trained[0]} points")
         return self.distribution(self.normalise(features), canonical)[0]
 
     def decode(self, latents: Tensor, canonical: Tensor) -> Tensor:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import torch
@@ -106,7 +105,4 @@ def load_policy(folder: Path) -> ChunkPolicy:
     Raises:
         CheckpointError: see ``icd_agent.checkpoints.load_checkpoint``.
     """
-    make: Callable[[dict[str, Any]], ChunkPolicy] = lambda given: ChunkPolicy(  # noqa: E731
-        PolicyConfig.of(given)
-    )
-    return load_checkpoint(folder, KIND, make)
+    return load_checkpoint(folder, KIND, lambda given: ChunkPolicy(PolicyConfig.of(given)))

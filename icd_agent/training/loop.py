@@ -43,6 +43,11 @@ class Trained:
     model: nn.Module
     terms: dict[str, float]
 
+    @property
+    def parameters(self) -> int:
+        """How many numbers were trained."""
+        return sum(value.numel() for value in self.model.parameters())
+
 
 def train(
     make_model: Callable[[], nn.Module],

@@ -327,7 +327,7 @@ def test_networks_that_do_not_fit_one_another_are_refused() -> None:
     with pytest.raises(CheckpointError, match="9 features"):
         ICDAgent(fitting._replace(latent=LatentModel(other).eval()))
     wider = DiffusionConfig(16, FEATURES, 200, TOKENS, width=32, layers=1, heads=2)
-    with pytest.raises(CheckpointError, match="16 numbers"):
+    with pytest.raises(CheckpointError, match="latent=16 of the denoiser"):
         ICDAgent(fitting._replace(diffusion=Denoiser(wider).eval()))
 
 

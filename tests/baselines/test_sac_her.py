@@ -40,8 +40,9 @@ def test_the_actor_acts_as_the_model_it_is_taken_from(tiny: None, tmp_path: Path
     observation, _ = env.reset(seed=0)
     agent = ActorAgent(train_sac.actor_of(model))
     assert isinstance(agent, Agent)
+    whole: Any = env.unwrapped
+    agent.reset(whole.episode(), seed=0)
     for _ in range(3):
-        whole: Any = env.unwrapped
         action = agent.act(whole.restore(whole.snapshot()))
         expected, _ = model.predict(observation, deterministic=True)
         np.testing.assert_allclose(action, expected, atol=1e-6)

@@ -88,7 +88,7 @@ def seen(clouds: FloatArray) -> FloatArray:
 
 
 def test_a_generated_chain_goes_round_the_wall_in_order(networks: Networks) -> None:
-    generator = Generator(networks.denoiser, networks.latent, ChainConfig(reachable=1.0))
+    generator = Generator(networks.denoiser, networks.latent, ChainConfig(reachable=None))
     found = generator.generate(task(networks), np.random.default_rng(0))
     assert found.latents.shape == (LONGEST, 8)
     with torch.no_grad():
@@ -104,9 +104,9 @@ def test_a_generated_chain_goes_round_the_wall_in_order(networks: Networks) -> N
     np.testing.assert_allclose(toy_frame().back(found.clouds.numpy()), clouds, atol=0.05)
 
 
-@pytest.mark.parametrize(("reachable", "length"), [(1e6, 3), (1e-3, LONGEST)])
+@pytest.mark.parametrize(("reachable", "length"), [(1e6, 3), (None, LONGEST)])
 def test_chains_are_refined_until_every_pair_is_reachable(
-    networks: Networks, reachable: float, length: int
+    networks: Networks, reachable: float | None, length: int
 ) -> None:
     config = ChainConfig(chains=2, denoising_steps=2, reachable=reachable)
     found = Generator(networks.denoiser, networks.latent, config).generate(
