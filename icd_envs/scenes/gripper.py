@@ -34,7 +34,10 @@ RGBA = (0.93, 0.93, 0.94, 1.0)
 
 
 def gripper_spheres() -> Float32Array:
-    """(S, 4) sphere cover of the hand: centre relative to its origin [m] and radius [m]."""
+    """(S, 4) spheres about as large as the hand: centre relative to its origin [m] and radius [m].
+
+    The edges of its boxes stick out by up to 13 mm, and the spheres of the boxes by up to 15.
+    """
     palm = [[PALM_CENTER[0], y, PALM_CENTER[2], 0.03] for y in (-0.075, -0.038, 0.0, 0.038, 0.075)]
     fingers = [[0.0, 0.0, z, 0.018] for z in (0.01, 0.04)]
     return np.array(palm + fingers, dtype=np.float32)

@@ -36,7 +36,7 @@ def order(data: Path, out: Path) -> TrainingOrder:
 
 def train(name: str, order: TrainingOrder) -> None:
     if name == "dp3":
-        train_policy("dp3", order, solved_only=False)
+        train_policy("dp3", order, solved_only=False, field=None)
         return
     scales = train_field.Scales(anchors=16, steps=order.steps)
     train_field.train(

@@ -20,7 +20,7 @@ PAGE = (Path(__file__).parents[2] / "docs" / "reinforcement-learning.md").read_t
 SHORTER = {
     "learning_starts=1_000": "learning_starts=300",
     "buffer_size=50_000": "buffer_size=400, batch_size=16",
-    "model.learn(1_000_000)": "model.learn(305); print(model.num_timesteps, model._n_updates)",
+    "model.learn(60_000)": "model.learn(305); print(model.num_timesteps, model._n_updates)",
 }
 
 
