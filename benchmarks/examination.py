@@ -11,7 +11,7 @@ from benchmarks.conditions import TaskSpec, make_env
 from benchmarks.errors import reason
 from benchmarks.executors import Executor, Work
 from benchmarks.pulse import Pulse
-from benchmarks.registry import AGENTS, Offer, agent_factory, make_agent, origin
+from benchmarks.registry import AGENTS, Offer, agent_factory, asked, make_agent, origin
 from benchmarks.worker import Loss
 from icd_envs import ENV_IDS
 from icd_envs.errors import IcdError, InvalidOptionError
@@ -27,11 +27,13 @@ class Examined(NamedTuple):
         name: what it was asked for by.
         origin: package and version or file, and a hash of it; empty for an agent of ours.
         problem: why it cannot be used, or empty.
+        takes_device: whether its factory asks for the device.
     """
 
     name: str
     origin: str
     problem: str = ""
+    takes_device: bool = False
 
 
 def examine(
@@ -59,7 +61,7 @@ def examine(
 def _look(name: str, pulse: Pulse, tasks: Sequence[TaskSpec], settings: Settings) -> Examined:
     pulse.doing = "importing it"
     try:
-        agent_factory(name, trust_pickle=settings.trust_pickle)
+        factory = agent_factory(name, trust_pickle=settings.trust_pickle)
     except InvalidOptionError as error:
         return Examined(name, "", str(error))
     try:
@@ -71,7 +73,8 @@ def _look(name: str, pulse: Pulse, tasks: Sequence[TaskSpec], settings: Settings
             pulse.doing = f"making it for {env_id}"
             make_agent(name, Offer(env_id, settings.device, settings.trust_pickle))
         pulse.doing = "reading its files"
-        return Examined(name, "" if name in AGENTS else origin(name))
+        found = "" if name in AGENTS else origin(name)
+        return Examined(name, found, takes_device="device" in asked(factory))
     except (Exception, SystemExit) as error:
         said = str(error) if isinstance(error, IcdError) else reason(error)
         return Examined(name, "", f"agent {name!r}: {pulse.doing}: {said}")

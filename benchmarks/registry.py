@@ -99,7 +99,7 @@ def make_agent(name: str, offer: Offer) -> Agent:
     """
     factory = agent_factory(name, trust_pickle=offer.trust_pickle)
     known = {"env_id": offer.env_id, "device": offer.device}
-    agent = factory(**{key: value for key, value in known.items() if key in _asked(factory)})
+    agent = factory(**{key: value for key, value in known.items() if key in asked(factory)})
     if not isinstance(agent, Agent):
         raise InvalidOptionError(
             f"agent {name!r} made {type(agent).__name__}: it must have reset(episode, seed) "
@@ -199,7 +199,7 @@ def _checked(factory: object) -> AgentFactory:
     if inspect.isclass(factory):
         _check_call(factory.reset, "reset(episode, seed)", 3)
         _check_call(factory.act, "act(observation)", 2)
-    _asked(factory)
+    asked(factory)
     return factory
 
 
@@ -210,9 +210,13 @@ def _check_call(function: Callable[..., object], call: str, arguments: int) -> N
         raise InvalidOptionError(f"it cannot be called as {call}: {error}") from error
 
 
-def _asked(factory: AgentFactory) -> list[str]:
-    """Parameters that can be given to a factory."""
-    asked = []
+def asked(factory: AgentFactory) -> list[str]:
+    """Which of ``env_id`` and ``device`` a factory takes.
+
+    Raises:
+        InvalidOptionError: it wants something else as well.
+    """
+    found = []
     try:
         parameters = inspect.signature(factory).parameters
     except (TypeError, ValueError) as error:
@@ -221,12 +225,12 @@ def _asked(factory: AgentFactory) -> list[str]:
         ) from error
     for name, parameter in parameters.items():
         if name in ("env_id", "device"):
-            asked.append(name)
+            found.append(name)
         elif parameter.default is parameter.empty and parameter.kind in _NAMED:
             raise InvalidOptionError(
                 f"its factory wants {name!r}, but gets only env_id and device: give it a default"
             )
-    return asked
+    return found
 
 
 def _function_agent(function: object) -> AgentFactory:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import warnings
+
 from benchmarks import registry
 from benchmarks.attempt import Settings
+from benchmarks.errors import ResultsWarning
 from benchmarks.examination import examine
 from benchmarks.executors import Executor
 from benchmarks.plan import Plan
@@ -35,10 +38,15 @@ def look_first(
         check_imageio()
     for env_id in plan.envs:
         check_env_id(env_id)
-    known = not set(plan.envs) - set(ENV_IDS)
+    known = settings.device == "cpu" and not set(plan.envs) - set(ENV_IDS)
     names = [name for name in plan.agents if not (known and name in registry.AGENTS)]
     examined = examine(names, executor, plan.tasks, settings)
     for problem in (agent.problem for agent in examined if agent.problem):
         raise InvalidOptionError(problem)
+    if settings.device != "cpu":
+        for agent in (agent for agent in examined if not agent.takes_device):
+            ignored = f"{settings.device} is not used"
+            what = f"{agent.name} takes no device and acts on the CPU: {ignored}"
+            warnings.warn(what, ResultsWarning, stacklevel=2)
     origins = {f"agent {agent.name}": agent.origin for agent in examined if agent.origin}
     return settings.record() | origins

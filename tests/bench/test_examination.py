@@ -7,8 +7,11 @@ import pytest
 
 from benchmarks.attempt import Settings
 from benchmarks.conditions import TaskSpec
+from benchmarks.errors import ResultsWarning
 from benchmarks.examination import examine
 from benchmarks.executors import Local
+from benchmarks.plan import Plan
+from benchmarks.run_command import look_first
 from tests.bench import toy
 
 
@@ -53,3 +56,18 @@ def test_agents_that_cannot_be_made_and_environments_neither_are_told(tmp_path: 
     assert "making CartPole-v1: TypeError" in nowhere.problem
     (ours,) = examine(["random"], Local(1), [TaskSpec(toy.ENV)], settings)
     assert (ours.origin, ours.problem) == ("", "")
+
+
+def test_who_is_given_a_device_that_it_does_not_take_is_named(tmp_path: Path) -> None:
+    file = tmp_path / "takes.py"
+    file.write_text(
+        "class Takes:\n"
+        "    def __init__(self, device): assert device == 'cuda:7'\n"
+        "    def reset(self, episode, seed): pass\n"
+        "    def act(self, observation): pass\n"
+    )
+    names = (toy.spec(toy.Straight), f"{file}:Takes", "random")
+    plan = Plan(names, (TaskSpec(toy.ENV),), 1)
+    with pytest.warns(ResultsWarning, match="on the CPU: cuda:7 is not used") as told:
+        look_first(plan, Local(2), Settings(device="cuda:7"), None)
+    assert [str(each.message).split()[0] for each in told] == [names[0], "random"]
