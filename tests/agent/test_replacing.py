@@ -11,11 +11,7 @@ from typing import Any
 import pytest
 
 from icd_agent.replacing import current, replacing, write_synced
-
-
-class KilledError(BaseException):
-    """Nothing of the program runs after it."""
-
+from tests.killing import KilledError
 
 NAMES = ("config", "part/config", "part/weights")
 
