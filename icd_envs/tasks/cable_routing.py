@@ -133,7 +133,7 @@ class CableRouting:
     def matches(
         self, achieved: FloatArray, desired: FloatArray, info: Mapping[str, Any]
     ) -> BoolArray:
-        """(B, F) clips that both cables pass with the same net sign, each in its own scene."""
+        """(B, F) clips that both pass as often and in the same sense, each in its own scene."""
         found = signed_crossings(achieved, info["clips"])
         return found == signed_crossings(desired, info["goal_clips"])
 
@@ -188,8 +188,8 @@ class CableRoutingEnv(ContactEnv[CableRoutingScene]):
     Reward: ``sparse``: 0 on success, else -1. ``dense``: complete rate - 1 - mean distance [m]
     between corresponding points of object and goal.
 
-    Success: every clip is passed with the same net sign as the goal passes it; the complete rate
-    is the share of such clips.
+    Success: every clip is passed as often, and in the same sense, as the goal passes it; the
+    complete rate is the share of such clips.
 
     End of episode: ``terminated`` once success has held for 10 steps, or if the physics diverged;
     truncated after 300 steps, 500 with three clips, 700 with four. With ``goals="contact"`` success

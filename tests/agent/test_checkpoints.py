@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import pickle
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,6 +22,7 @@ from icd_agent.checkpoints import (
     save_checkpoint,
 )
 from icd_envs.errors import CheckpointError
+from tests.pickles import MakesFolder
 
 
 @dataclass(frozen=True)
@@ -102,11 +102,7 @@ def test_what_is_no_safetensors_file_is_refused(folder: Path, content: bytes) ->
 
 
 def test_a_pickle_is_never_executed(folder: Path, tmp_path: Path) -> None:
-    class Payload:
-        def __reduce__(self) -> tuple[object, tuple[str]]:
-            return os.mkdir, (str(tmp_path / "executed"),)
-
-    with_weights(folder, pickle.dumps(Payload()))
+    with_weights(folder, pickle.dumps(MakesFolder(tmp_path / "executed")))
     with pytest.raises(CheckpointError):
         load_checkpoint(folder, "toy", build)
     assert not (tmp_path / "executed").exists()

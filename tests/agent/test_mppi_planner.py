@@ -107,6 +107,13 @@ def test_adaptive_plan_ignores_the_unit_of_the_cost() -> None:
     np.testing.assert_allclose(plans[2], plans[1], atol=1e-9)
 
 
+def test_an_adaptive_plan_is_made_of_about_a_dozen_of_evenly_spread_samples() -> None:
+    planner = MPPI(IMPROVED, SCALE)
+    actions = planner.sample(np.random.default_rng(5))
+    info = planner.update(actions, np.linspace(0.0, 1.0, 80))
+    assert 11 < info.effective_samples < 13
+
+
 def test_adding_a_constant_to_every_cost_changes_nothing() -> None:
     plans = []
     for constant in (0.0, 100.0):

@@ -12,11 +12,7 @@ import pytest
 
 from icd_agent.replacing import current, replacing, write_synced
 from icd_envs.errors import CheckpointError
-
-
-class KilledError(BaseException):
-    """Nothing of the program runs after it."""
-
+from tests.killing import KilledError
 
 NAMES = ("config", "part/config", "part/weights")
 

@@ -16,12 +16,9 @@ from icd_envs.api import Float32Array
 from icd_envs.demonstrations import Demonstrations
 from icd_envs.errors import DemonstrationsError
 from tests.demonstrations.making import make_folder
+from tests.killing import KilledError
 
 EPISODES = 3
-
-
-class KilledError(Exception):
-    pass
 
 
 class Describe:

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from typing import get_args
+
 import numpy as np
 import pytest
 
@@ -134,6 +136,16 @@ def test_subgoals_that_lie_apart_may_be_reached_from_farther_away(
     assert chain.index == 4
     chain.advance(clouds(9)[0])
     assert chain.index == index + 1
+
+
+def test_subgoals_that_lie_close_need_not_be_reached_more_closely_than_others() -> None:
+    for spacing in get_args(Spacing):
+        chain = SubgoalChain(clouds(0, 10, 20, 21, 31), 0.5, window=1, spacing=spacing)
+        for x in (0, 10, 20):
+            chain.advance(clouds(x)[0])
+        assert chain.index == 3
+        chain.advance(clouds(17)[0])
+        assert chain.index == 4
 
 
 def test_chain_keeps_its_own_copy() -> None:

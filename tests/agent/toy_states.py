@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from icd_agent.latent.config import LatentConfig
 from icd_agent.scene_tokens import SceneTokens
 from icd_agent.states import EVERY, States
 from icd_envs.api import Float32Array, FloatArray
@@ -11,6 +12,7 @@ from icd_envs.api import Float32Array, FloatArray
 CANONICAL = np.stack([np.linspace(0.0, 0.2, 12), np.zeros(12), np.zeros(12)], -1).astype(np.float32)
 PACE = 0.005
 """[m] per control step."""
+LATENT = LatentConfig(3, 4, 12, latent=8, groups=6, neighbours=4, width=16, decoder_width=16)
 
 
 def along_the_way(metres: FloatArray, height: float = 0.2) -> FloatArray:

@@ -25,6 +25,8 @@ from icd_envs.tasks.env import ContactEnv
 from tests.envs.making import global_random_state, make, seed_everything
 
 STEPS = 3
+DETERMINISTIC = {"expert", "sac-her"}
+"""Agents that draw nothing."""
 TRAINED = ("icd", "subgoal-diffuser", "diffusion-policy", "dp3", "sac-her")
 """Agents that live by weights of their own; those built like them are left out for their time."""
 
@@ -43,9 +45,14 @@ def start(env: ContactEnv[Any]) -> SimState:
 
 
 @pytest.fixture(params=AGENTS)
-def agent(request: pytest.FixtureRequest, env: ContactEnv[Any]) -> Agent:
+def agent_name(request: pytest.FixtureRequest) -> str:
+    return str(request.param)
+
+
+@pytest.fixture
+def agent(agent_name: str, env: ContactEnv[Any]) -> Agent:
     """Every agent."""
-    return hurried(make_agent(request.param, Offer(env.task.env_id)))
+    return hurried(make_agent(agent_name, Offer(env.task.env_id)))
 
 
 @pytest.fixture(autouse=True)
@@ -70,13 +77,18 @@ def episode_for(agent: Agent, env: ContactEnv[Any]) -> Episode:
 
 
 def acted(
-    agent: Agent, env: ContactEnv[Any], start: SimState, seed: int, disturb: bool = False
+    agent: Agent,
+    env: ContactEnv[Any],
+    start: SimState,
+    seed: int,
+    steps: int = STEPS,
+    disturb: bool = False,
 ) -> list[bytes]:
     """The actions of a short episode, bit for bit."""
     observation = env.restore(start)
     agent.reset(episode_for(agent, env), seed)
     actions = []
-    for step in range(STEPS):
+    for step in range(steps):
         if disturb:
             seed_everything(step)
         actions.append(agent.act(observation))
@@ -85,13 +97,15 @@ def acted(
 
 
 def test_actions_depend_on_the_seed_and_on_no_global_one(
-    env: ContactEnv[Any], start: SimState, agent: Agent
+    env: ContactEnv[Any], start: SimState, agent: Agent, agent_name: str
 ) -> None:
     seed_everything(7)
     before = global_random_state()
     actions = acted(agent, env, start, seed=1)
     assert global_random_state() == before
     assert acted(agent, env, start, seed=1, disturb=True) == actions
+    others = acted(agent, env, start, seed=2, steps=1)
+    assert (others == actions[:1]) == (agent_name in DETERMINISTIC)
 
 
 def test_actions_lie_in_the_box_and_what_was_observed_is_left_alone(

@@ -99,13 +99,12 @@ def test_goal_is_the_experts_last_cloud_in_the_scene_it_was_specified_in(
     assert env.episode().goal_oracle is None
 
 
-def test_episode_is_truncated_at_its_budget(env: ContactEnv[Any]) -> None:
-    wrapped = remake(env)
-    wrapped.reset(seed=0)
-    budget = wrapped.unwrapped.episode().max_steps  # type: ignore[attr-defined]
-    ends = [wrapped.step(np.zeros(3, np.float32))[2:4] for _ in range(budget)]
-    assert ends == [(False, False)] * (budget - 1) + [(False, True)]
-    wrapped.close()
+def test_every_step_of_a_whole_episode_counts_toward_its_budget() -> None:
+    made = gym.make("ICDNotebookFolding-v0")
+    made.reset(seed=0)
+    ends = [made.step(np.zeros(3, np.float32))[2:4] for _ in range(150)]
+    assert ends == [(False, False)] * 149 + [(False, True)]
+    made.close()
 
 
 def test_spec_tells_the_budget(env: ContactEnv[Any]) -> None:
@@ -143,10 +142,13 @@ def test_vectors_of_environments_take_a_budget(env: ContactEnv[Any]) -> None:
     vector.close()
 
 
-def test_restored_state_brings_the_steps_taken_with_it(env: ContactEnv[Any]) -> None:
+def test_restored_state_brings_the_steps_taken_with_it_up_to_the_budget(
+    env: ContactEnv[Any],
+) -> None:
     state = env.snapshot()
     env.restore(replace(state, steps=env.task.max_steps - 2))
-    assert [env.step(np.zeros(3))[3] for _ in range(3)] == [False, True, True]
+    ends = [env.step(np.zeros(3, np.float32))[2:4] for _ in range(3)]
+    assert ends == [(False, False), (False, True), (False, True)]
     env.restore(state)
 
 

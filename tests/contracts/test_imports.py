@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import resource
 import subprocess
 import sys
@@ -61,12 +62,18 @@ def cpu_seconds(*command: str) -> float:
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
-@pytest.mark.parametrize(
-    ("command", "limit"),
-    [(("-c", "import icd_envs"), 0.6), (("-m", "benchmarks", "--help"), 0.5)],
-)
-def test_start_up_is_quick(command: tuple[str, ...], limit: float) -> None:
-    assert min(cpu_seconds(*command) for _ in range(3)) < limit
+def test_start_up_takes_little_more_than_numpy_and_gymnasium_do() -> None:
+    measure = ("-c", "import numpy, gymnasium")
+    commands = {("-c", "import icd_envs"): 1.7, ("-m", "benchmarks", "--help"): 1.9}
+    least = dict.fromkeys([measure, *commands], math.inf)
+    # In turn, and more often on a busy machine, which slows now the one and now the other.
+    for count in range(1, 11):
+        for command in least:
+            least[command] = min(least[command], cpu_seconds(*command))
+        quick = all(least[name] < most * least[measure] for name, most in commands.items())
+        if quick and count >= 3:
+            break
+    assert quick, least
 
 
 def test_importing_twice_registers_once() -> None:

@@ -216,6 +216,44 @@ def test_on_top_means_above_and_within(
     assert bool(on_top(cloud, table.parameters)) == expected
 
 
+@pytest.mark.parametrize(
+    ("yaw", "point", "expected"),
+    [
+        (0.0, (0.29, 0.0), True),
+        (0.0, (0.31, 0.0), False),
+        (0.0, (0.0, 0.11), False),
+        (np.pi / 2, (0.0, 0.29), True),
+        (np.pi / 2, (0.0, -0.31), False),
+        (np.pi / 2, (0.11, 0.0), False),
+        (0.6, (0.21, 0.14), True),
+        (0.6, (0.21, -0.14), False),
+        (0.6, (0.24, 0.16), True),
+        (0.6, (0.26, 0.18), False),
+        (-0.6, (0.21, 0.14), False),
+        (-0.6, (0.21, -0.14), True),
+    ],
+)
+def test_on_top_is_within_the_footprint_as_the_table_is_turned(
+    yaw: float, point: tuple[float, float], expected: bool
+) -> None:
+    table = np.array([0.5, -0.2, yaw, 0.3, 0.1, 0.12])
+    corner = np.array([[0.5 + point[0], -0.2 + point[1], 0.13]])
+    assert bool(on_top(corner, table)) == expected
+    middle = np.array([[0.5, -0.2, 0.13]])
+    assert bool(on_top(np.concatenate([middle, corner]), table)) == expected
+
+
+@pytest.mark.parametrize(
+    ("height", "expected"), [(-0.0021, False), (-0.0019, True), (0.0599, True), (0.0601, False)]
+)
+def test_on_top_is_from_2_mm_below_the_tables_top_to_6_cm_above_it(
+    height: float, expected: bool
+) -> None:
+    table = np.array([0.0, 0.0, 0.4, 0.3, 0.2, 0.12])
+    lying = np.array([[0.0, 0.0, 0.121], [0.05, 0.0, 0.12 + height]])
+    assert bool(on_top(lying, table)) == expected
+
+
 def test_scenes_leave_the_notebook_room_to_rise() -> None:
     rng = np.random.default_rng(0)
     spec = DEFAULT_NOTEBOOK

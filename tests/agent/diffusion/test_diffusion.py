@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
@@ -20,9 +19,8 @@ from icd_agent.diffusion.denoiser import COARSE, GIVEN, UNKNOWN, Denoiser
 from icd_agent.diffusion.generate import Generator, Task
 from icd_agent.diffusion.retrieval import BankConfig, ChainBank, Retriever, load_bank, make_bank
 from icd_agent.diffusion.train import encode_states, load_diffusion, train_diffusion
-from icd_agent.latent.config import LatentConfig
 from icd_agent.latent.model import LatentModel
-from icd_agent.latent.train import load_latent, train_latent
+from icd_agent.latent.train import load_latent
 from icd_agent.scene_tokens import Frame
 from icd_agent.states import States
 from icd_agent.training.config import TrainingConfig
@@ -30,9 +28,9 @@ from icd_agent.training.loop import Loss
 from icd_agent.training.network import Network
 from icd_envs.api import FloatArray
 from icd_envs.errors import InvalidOptionError
-from tests.agent.toy_states import CANONICAL, bar_at, toy_states
+from tests.agent.toy_states import CANONICAL, LATENT, bar_at, toy_states
+from tests.killing import KilledError, kill_at
 
-LATENT = LatentConfig(3, 4, 12, latent=8, groups=6, neighbours=4, width=16, decoder_width=16)
 SMALL = DiffusionConfig(8, 4, 12, 2, places=4, width=48, layers=2, heads=2)
 
 
@@ -41,24 +39,12 @@ class Networks(NamedTuple):
     denoiser: Denoiser
 
 
-@pytest.fixture(scope="module", autouse=True)
-def one_thread() -> Iterator[None]:
-    """Networks this small are trained faster so, and on a busy machine several times faster."""
-    before = torch.get_num_threads()
-    torch.set_num_threads(1)
-    yield
-    torch.set_num_threads(before)
-
-
 @pytest.fixture(scope="module")
-def networks(tmp_path_factory: pytest.TempPathFactory) -> Networks:
-    folder, states = tmp_path_factory.mktemp("networks"), toy_states()
-    config = TrainingConfig(steps=500, learning_rate=5e-3, warmup=20, log_every=50, ema=0.98)
-    train_latent(states, LATENT, config, folder / "latent", about={})
-    latent = load_latent(folder / "latent")
+def networks(toy_latent: Path, tmp_path_factory: pytest.TempPathFactory) -> Networks:
+    folder, latent = tmp_path_factory.mktemp("diffusion"), load_latent(toy_latent)
     config = TrainingConfig(steps=500, learning_rate=2e-3, warmup=20, log_every=50, ema=0.98)
-    train_diffusion(states, latent, SMALL, config, folder / "diffusion", about={})
-    return Networks(latent, load_diffusion(folder / "diffusion"))
+    train_diffusion(toy_states(), latent, SMALL, config, folder, about={})
+    return Networks(latent, load_diffusion(folder))
 
 
 def task(networks: Networks, *, foreign: bool = False) -> Task:
@@ -114,6 +100,29 @@ def test_chains_are_refined_until_every_pair_is_reachable(
     )
     assert len(found.latents) == length
     assert len(found.steps) == length - 1
+
+
+@pytest.mark.parametrize(
+    ("others", "farther", "length"), [(15.0, [], 3), (0.0, [0], LONGEST), (0.0, [-1], LONGEST)]
+)
+def test_one_pair_beyond_reach_is_enough_to_refine_a_chain_and_all_at_it_are_not(
+    networks: Networks,
+    monkeypatch: pytest.MonkeyPatch,
+    others: float,
+    farther: list[int],
+    length: int,
+) -> None:
+    def steps(self: Generator, chains: torch.Tensor, scene: torch.Tensor) -> torch.Tensor:
+        found = torch.full((len(chains), chains.shape[1] - 1), others)
+        found[:, farther] = 15.5
+        return found
+
+    monkeypatch.setattr(Generator, "steps", steps)
+    config = ChainConfig(chains=1, denoising_steps=1, reachable=15.0)
+    found = Generator(networks.denoiser, networks.latent, config).generate(
+        task(networks), np.random.default_rng(0)
+    )
+    assert len(found.latents) == length
 
 
 def test_same_draws_same_bits_and_other_draws_other_chains(networks: Networks) -> None:
@@ -244,18 +253,11 @@ def test_latents_are_those_of_the_states(networks: Networks) -> None:
 
 
 def test_a_killed_run_goes_on_to_the_same_weights(networks: Networks, tmp_path: Path) -> None:
-    class KilledError(Exception):
-        pass
-
-    def stop(step: int, terms: dict[str, float]) -> None:
-        if step == 10:
-            raise KilledError
-
     states, latent = toy_states(5), networks.latent
     config = TrainingConfig(steps=20, save_every=5, log_every=5)
     whole = train_diffusion(states, latent, SMALL, config, tmp_path / "a", about={}).model
     with pytest.raises(KilledError):
-        train_diffusion(states, latent, SMALL, config, tmp_path / "b", about={}, seen=stop)
+        train_diffusion(states, latent, SMALL, config, tmp_path / "b", about={}, seen=kill_at(10))
     again = train_diffusion(states, latent, SMALL, config, tmp_path / "b", about={}).model
     saved = [load_diffusion(tmp_path / run) for run in ("a", "b")]
     for one, other in ((whole, again), saved):

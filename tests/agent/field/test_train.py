@@ -16,6 +16,7 @@ from icd_agent.field.train import load_field, train_field
 from icd_agent.training.config import TrainingConfig
 from icd_envs.errors import CheckpointError, TrainingError
 from tests.agent.field.small import SMALL, small_data
+from tests.killing import KilledError, kill_at
 
 CONFIG = TrainingConfig(steps=12, learning_rate=3e-3, warmup=2, save_every=5, log_every=6)
 
@@ -58,14 +59,8 @@ def test_it_learns(data: FieldData, tmp_path: Path, scope: Literal["local", "glo
 def test_a_killed_run_goes_on_to_the_same_weights(
     data: FieldData, trained: Path, tmp_path: Path
 ) -> None:
-    class KilledError(Exception):
-        pass
-
-    def stop(step: int, terms: dict[str, float]) -> None:
-        raise KilledError
-
     with pytest.raises(KilledError):
-        train_field(data, SMALL, CONFIG, tmp_path, about={"env": "toy"}, seen=stop)
+        train_field(data, SMALL, CONFIG, tmp_path, about={"env": "toy"}, seen=kill_at(6))
     assert not (tmp_path / "model.safetensors").exists()
     train_field(data, SMALL, CONFIG, tmp_path, about={"env": "toy"})
     for name in ("config.json", "model.safetensors"):

@@ -6,13 +6,10 @@ import numpy as np
 import pytest
 import torch
 
-from icd_agent.latent.config import LatentConfig
 from icd_agent.latent.model import LatentModel
 from icd_agent.latent.principal import Principal, principal
 from icd_envs.errors import InvalidOptionError
-from tests.agent.toy_states import CANONICAL, toy_states
-
-SMALL = LatentConfig(3, 4, 12, latent=8, groups=6, neighbours=4, width=16, decoder_width=16)
+from tests.agent.toy_states import CANONICAL, LATENT, toy_states
 
 
 def of_random_states(latent: int, count: int) -> tuple[Principal, np.ndarray]:
@@ -50,7 +47,7 @@ def test_normalised_features_have_unit_size() -> None:
 
 def test_states_in_a_plane_come_back_before_any_training() -> None:
     states = toy_states()  # a bar that moves in a plane: two numbers say where it is
-    model = LatentModel(SMALL, principal(states.features.astype(np.float32), 8)).eval()
+    model = LatentModel(LATENT, principal(states.features.astype(np.float32), 8)).eval()
     for part in (model.encoder.out, model.decoder.layers[-1]):
         for value in part.parameters():
             value.data.zero_()
@@ -67,6 +64,6 @@ def test_more_components_than_numbers_are_refused() -> None:
 
 
 def test_another_number_of_points_is_refused() -> None:
-    model = LatentModel(SMALL).eval()
+    model = LatentModel(LATENT).eval()
     with pytest.raises(InvalidOptionError, match="points"):
         model.encode(torch.zeros(1, 11, 3), torch.zeros(11, 3))

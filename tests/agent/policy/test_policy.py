@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -23,16 +22,9 @@ from icd_agent.training.initial import initialise
 from icd_envs.errors import CheckpointError, InvalidOptionError
 from tests.agent.field.small import SMALL, scene, small_field
 from tests.agent.policy.toy import POINTS, toy_demonstrations
+from tests.killing import KilledError, kill_at
 
 KEY_POINTS = dataclasses.replace(POINTS, sees="key points", scene_features=SMALL.descriptor)
-
-
-@pytest.fixture(scope="module", autouse=True)
-def one_thread() -> Iterator[None]:
-    before = torch.get_num_threads()
-    torch.set_num_threads(1)
-    yield
-    torch.set_num_threads(before)
 
 
 def random_seen(config: PolicyConfig, count: int = 2) -> Seen:
@@ -185,19 +177,12 @@ def test_places_enter_between_the_limits() -> None:
 
 
 def test_a_killed_run_goes_on_to_the_same_weights(tmp_path: Path) -> None:
-    class KilledError(Exception):
-        pass
-
-    def stop(step: int, terms: dict[str, float]) -> None:
-        if step == 10:
-            raise KilledError
-
     recorded = toy_demonstrations()
     data = PolicyData(recorded, Look(POINTS, None), POINTS, episodes=6, solved_only=False)
     config = TrainingConfig(steps=20, save_every=5, log_every=5)
     train_policy(data, POINTS, config, tmp_path / "a", about={})
     with pytest.raises(KilledError):
-        train_policy(data, POINTS, config, tmp_path / "b", about={}, seen=stop)
+        train_policy(data, POINTS, config, tmp_path / "b", about={}, seen=kill_at(10))
     train_policy(data, POINTS, config, tmp_path / "b", about={})
     whole, again = (load_policy(tmp_path / name).state_dict() for name in "ab")
     assert all(torch.equal(value, again[name]) for name, value in whole.items())

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -12,7 +14,10 @@ from torch import Tensor, nn
 
 from icd_agent.training.config import TrainingConfig
 from icd_agent.training.loop import LOG_NAME, STATE_NAME, train
+from icd_envs.api import Float64Array
 from icd_envs.errors import InvalidOptionError, TrainingError
+from tests.killing import KilledError
+from tests.pickles import MakesFolder
 
 CONFIG = TrainingConfig(steps=60, learning_rate=0.05, warmup=5, save_every=10, log_every=7)
 
@@ -32,8 +37,25 @@ def weights(model: nn.Module) -> bytes:
     return b"".join(value.numpy().tobytes() for value in model.state_dict().values())
 
 
-class KilledError(Exception):
-    """Stands for a kill in the middle of a step."""
+class Walk(NamedTuple):
+    """One number of a network before every step and after the last, and its average."""
+
+    path: Float64Array
+    average: float
+
+
+def walk(out: Path, lengths: Sequence[float], **changes: float) -> Walk:
+    """Train on gradients of one direction and these lengths, on which AdamW steps downhill."""
+    config = TrainingConfig(**{"steps": len(lengths), "weight_decay": 0.0, **changes})  # type: ignore[arg-type]
+    model, path = make(), []
+
+    def slope(model: nn.Module, rng: np.random.Generator) -> dict[str, Tensor]:
+        path.append(model.bias.item())
+        length = lengths[len(path) - 1]
+        return {"loss": 0.5 * length * (model.weight.sum() + model.bias.sum())}
+
+    average = train(lambda: model, slope, config, out).model.bias
+    return Walk(np.array([*path, model.bias.item()]), average.item())
 
 
 def test_it_learns_and_leaves_the_average_in_evaluation_mode(tmp_path: Path) -> None:
@@ -45,6 +67,33 @@ def test_it_learns_and_leaves_the_average_in_evaluation_mode(tmp_path: Path) -> 
     torch.testing.assert_close(
         trained.model.weight, torch.tensor([[1.0, -2.0, 3.0]]), atol=0.02, rtol=0
     )
+
+
+def test_the_learning_rate_rises_then_falls_along_half_a_cosine(tmp_path: Path) -> None:
+    found = walk(tmp_path, [1.0] * 12, learning_rate=0.1, warmup=4)
+    falling = [1.0, 0.9623, 0.8550, 0.6944, 0.5050, 0.3156, 0.1550, 0.0477]  # to 0.01 in the end
+    expected = 0.1 * np.array([0.25, 0.5, 0.75, 1.0, *falling])
+    np.testing.assert_allclose(-np.diff(found.path), expected, atol=1e-5)
+
+
+def test_a_gradient_counts_up_to_its_limit(tmp_path: Path) -> None:
+    def end(name: str, *lengths: float, clip: float) -> float:
+        return walk(tmp_path / name, lengths, warmup=1, learning_rate=0.1, clip=clip).path[-1]
+
+    unit = end("unit", 2.0, 2.0, 2.0, clip=2.0)
+    assert end("long", 2.0, 200.0, 20.0, clip=2.0) == pytest.approx(unit, abs=1e-5)
+    assert abs(end("free", 2.0, 200.0, 20.0, clip=1e3) - unit) > 1e-2
+    short = end("short", 1.9, 1.0, 0.1, clip=2.0)
+    assert short == pytest.approx(end("short and free", 1.9, 1.0, 0.1, clip=1e3), abs=1e-5)
+    assert abs(short - unit) > 1e-2
+
+
+def test_what_is_left_is_the_running_average_which_forgets_its_beginning(tmp_path: Path) -> None:
+    found = walk(tmp_path / "two", [1.0] * 2, warmup=1, learning_rate=0.1, ema=0.15)
+    kept = [0.1 * 0.15, 0.9 * 0.15, 0.85]  # a tenth at first, then 0.15: less than 2 / 11
+    assert found.average == pytest.approx(float(np.dot(kept, found.path)), abs=1e-6)
+    found = walk(tmp_path / "none", [1.0] * 2, ema=0.0)
+    assert found.average == found.path[-1]
 
 
 @pytest.mark.parametrize("last", [3, 29, 30, 57])
@@ -113,12 +162,19 @@ def test_state_of_another_run_is_refused_by_name(tmp_path: Path) -> None:
         train(make, line, longer, tmp_path, identity={"data": "a"})
 
 
-@pytest.mark.parametrize("content", [b"", b"PK garbage", b"\x80\x04cos\nsystem\n."])
-def test_damaged_state_is_refused_and_never_executed(tmp_path: Path, content: bytes) -> None:
+@pytest.mark.parametrize("content", [b"", b"PK garbage"])
+def test_damaged_state_is_refused(tmp_path: Path, content: bytes) -> None:
     train(make, line, CONFIG, tmp_path)
     (tmp_path / STATE_NAME).write_bytes(content)
     with pytest.raises(TrainingError, match="is damaged"):
         train(make, line, CONFIG, tmp_path)
+
+
+def test_a_pickle_in_the_state_is_never_executed(tmp_path: Path) -> None:
+    torch.save(MakesFolder(tmp_path / "executed"), tmp_path / STATE_NAME)
+    with pytest.raises(TrainingError, match="is damaged"):
+        train(make, line, CONFIG, tmp_path)
+    assert not (tmp_path / "executed").exists()
 
 
 @pytest.mark.parametrize(
