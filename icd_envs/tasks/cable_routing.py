@@ -183,7 +183,8 @@ class CableRoutingEnv(ContactEnv[CableRoutingScene]):
     Observation: ``icd_envs.api.Observation``; the object cloud runs along the cable's centre line
     from the fixed end to the held one.
 
-    Action: translation of the gripper in units of 0.03 m per control step of 0.05 s.
+    Action: translation of the gripper along the axes of the world's frame, in which clouds are
+    observed too (z up, the floor at 0), in units of 0.03 m per control step of 0.05 s.
 
     Reward: ``sparse``: 0 on success, else -1. ``dense``: complete rate - 1 - mean distance [m]
     between corresponding points of object and goal.

@@ -136,7 +136,8 @@ class NotebookFoldingEnv(ContactEnv[NotebookFoldingScene]):
     Observation: ``icd_envs.api.Observation``; the object cloud is a grid of 20 columns from the
     held edge to the free one, each of 10 points from left to right.
 
-    Action: translation of the gripper in units of 0.03 m per control step of 0.05 s.
+    Action: translation of the gripper along the axes of the world's frame, in which clouds are
+    observed too (z up, the floor at 0), in units of 0.03 m per control step of 0.05 s.
 
     Reward: ``sparse``: 0 on success, else -1. ``dense``: complete rate - 1 - mean distance [m]
     between corresponding points of object and goal.
