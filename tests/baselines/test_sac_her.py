@@ -14,21 +14,25 @@ import torch
 
 from baselines.sac_her import ActorAgent, ActorConfig, load_actor, make_sac_her
 from benchmarks import train_sac
+from icd_agent.checkpoints import read_about
 from icd_agent.weights import SAC_HER, shipped_folder
 from icd_envs.api import Agent
 from icd_envs.errors import CheckpointError, InvalidOptionError, TrainingError
 from icd_envs.wrappers import SubsamplePointCloud
 from tests.bench.test_cli import icd_bench
 from tests.envs.making import CABLE
+from tests.pickles import MakesFolder
 
-STEPS = 700
+STEPS = 640
+LEARNING_STARTS = 308
+"""Control steps: more than an episode has, which hindsight needs one of."""
 TINY = ActorConfig(object_points=8, scene_points=8, point_widths=(8, 16), widths=(16,))
 
 
 @pytest.fixture
 def tiny(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(train_sac, "CONFIG", TINY)
-    monkeypatch.setattr(train_sac, "SAVE_EVERY", 350)
+    monkeypatch.setattr(train_sac, "SAVE_EVERY", STEPS // 2)
 
 
 def test_the_actor_acts_as_the_model_it_is_taken_from(tiny: None, tmp_path: Path) -> None:
@@ -51,18 +55,28 @@ def test_the_actor_acts_as_the_model_it_is_taken_from(tiny: None, tmp_path: Path
     env.close()
 
 
-def test_training_leaves_an_actor_and_goes_on_after_a_kill(tiny: None, tmp_path: Path) -> None:
+def test_training_leaves_an_actor_and_a_longer_one_learns_on_from_it(
+    tiny: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    make = train_sac._make
+    monkeypatch.setattr(train_sac, "_make", lambda env, _, *rest: make(env, LEARNING_STARTS, *rest))
     command = ("train", "sac-her", "--env", CABLE, "--out", tmp_path, "--json")
-    first = icd_bench(*command, "--steps", 350)
-    assert first.exit_code == 0, first.stderr
-    before = load_actor(tmp_path).state_dict()
-    more = icd_bench(*command, "--steps", STEPS)
-    assert more.exit_code == 0, more.stderr
-    assert json.loads(more.stdout)["steps"] == STEPS
-    state = torch.load(tmp_path / train_sac.STATE_NAME, weights_only=True)
-    assert state["step"] == STEPS
-    assert load_actor(tmp_path).config == TINY
-    assert before.keys() == load_actor(tmp_path).state_dict().keys()
+    actors, updates = [], []
+    for steps in (STEPS // 2, STEPS):
+        trained = icd_bench(*command, "--steps", steps)
+        assert trained.exit_code == 0, trained.stderr
+        assert json.loads(trained.stdout)["steps"] == steps
+        state = torch.load(tmp_path / train_sac.STATE_NAME, weights_only=True)
+        assert state["step"] == steps
+        assert read_about(tmp_path)["training"]["gradient_steps"] == state["updates"]
+        actors.append(load_actor(tmp_path))
+        updates.append(state["updates"])
+    # Each run begins with actions that are random, and with an empty buffer.
+    assert updates == [n * (STEPS // 2 - LEARNING_STARTS) // train_sac.TRAIN_EVERY for n in (1, 2)]
+    assert actors[0].config == actors[1].config == TINY
+    before, after = (actor.state_dict() for actor in actors)
+    assert before.keys() == after.keys()
+    assert all(not torch.equal(before[name], after[name]) for name in before)
 
 
 def test_another_runs_state_is_refused(tiny: None, tmp_path: Path) -> None:
@@ -74,6 +88,13 @@ def test_another_runs_state_is_refused(tiny: None, tmp_path: Path) -> None:
     (tmp_path / train_sac.STATE_NAME).write_bytes(b"nothing")
     with pytest.raises(TrainingError, match="damaged"):
         train_sac.train(CABLE, tmp_path, device="cpu", steps=20, seed=0)
+
+
+def test_a_pickle_in_the_state_is_never_executed(tiny: None, tmp_path: Path) -> None:
+    torch.save(MakesFolder(tmp_path / "executed"), tmp_path / train_sac.STATE_NAME)
+    with pytest.raises(TrainingError, match="damaged"):
+        train_sac.train(CABLE, tmp_path, device="cpu", steps=20, seed=0)
+    assert not (tmp_path / "executed").exists()
 
 
 def test_what_it_learns_is_used_when_it_goes_on(tiny: None, tmp_path: Path) -> None:

@@ -3,9 +3,11 @@
 import json
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+import typer
 from click.testing import Result
 from typer.testing import CliRunner
 
@@ -34,11 +36,34 @@ def test_importing_the_command_line_imports_nothing_heavy() -> None:
     assert done.stdout.strip() == "[]"
 
 
-def test_help_names_every_command() -> None:
-    help_ = icd_bench("--help")
-    assert help_.exit_code == 0
-    for command in ("list", "run", "report", "reproduce", "gates", "export-scene", "perf"):
-        assert command in help_.stdout
+def commands(group: object, *words: str) -> Iterator[tuple[str, ...]]:
+    """Words of every command and of every group of commands."""
+    yield words
+    for name, command in getattr(group, "commands", {}).items():
+        yield from commands(command, *words, name)
+
+
+COMMANDS = sorted(commands(typer.main.get_command(main)))
+
+
+@pytest.mark.parametrize("words", COMMANDS, ids=" ".join)
+def test_every_command_says_what_it_is_for_and_its_group_names_it(
+    words: tuple[str, ...],
+) -> None:
+    shown = icd_bench(*words, "--help")
+    assert shown.exit_code == 0
+    usage, _, text = (line.strip() for line in shown.stdout.strip().splitlines()[:3])
+    assert usage.startswith("Usage: ")
+    assert text[:1].isupper()
+    if words:
+        assert f" {words[-1]} " in icd_bench(*words[:-1], "--help").stdout
+
+
+def test_the_documented_commands_are_there() -> None:
+    told = {"run", "report", "reproduce", "gates", "collect", "watch", "perf", "check-agent"}
+    assert told | {"list", "export-scene", "train", "diagnose", "render"} == {
+        words[0] for words in COMMANDS if words
+    }
 
 
 def test_list_names_agents_envs_suites_and_gates() -> None:

@@ -6,6 +6,8 @@ import json
 
 import pytest
 
+from benchmarks import diagnose_ends
+from benchmarks.conditions import TaskSpec, make_env
 from icd_agent.weights import LOCAL, shipped_folder
 from tests.bench.test_cli import icd_bench
 from tests.envs.making import CABLE
@@ -28,11 +30,24 @@ def test_ends_are_right_where_the_goal_itself_is_not() -> None:
     assert values["goal_right"] == 0
 
 
-def test_it_takes_weights_and_options_of_the_task() -> None:
-    given = ("--scenes", 2, "--weights", shipped_folder(CABLE, LOCAL), "--option", "goals=contact")
-    values = ends(*given)
+def test_it_takes_weights_of_ones_own() -> None:
+    scene = ("--scenes", 1, "--seed", 2)  # where those on the local field get no end right
+    assert ends(*scene, "--weights", shipped_folder(CABLE, LOCAL))["right"] < 0.5
+    assert ends(*scene)["right"] > 0.5
+
+
+def test_it_takes_options_of_the_task(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = []
+
+    def making(task: TaskSpec) -> object:
+        made.append(task)
+        return make_env(task)
+
+    monkeypatch.setattr(diagnose_ends, "make_env", making)
+    values = ends("--scenes", 1, "--option", "goals=contact")
     assert 0 <= values["right"] <= 1
-    assert values != ends("--scenes", 2)
+    (task,) = made
+    assert (task.env, task.condition.options) == (ADAPTATION, (("goals", "contact"),))
 
 
 @pytest.mark.parametrize(

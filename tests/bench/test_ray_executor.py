@@ -10,8 +10,9 @@ import sys
 import time
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import pytest
 
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
 pytest.importorskip("ray", reason="Ray is not installed: pip install -e '.[ray]'")
 ROOT = Path(__file__).parents[2]
 AGENTS = (toy.Drunk, toy.Gambler, toy.Raiser, toy.Killer)
+NODES = 2
 NODE = {"num_cpus": 1, "object_store_memory": 80 * 2**20}
 
 
@@ -46,18 +48,35 @@ def cluster() -> Iterator[Cluster]:
     before = os.environ.get("PYTHONPATH")
     os.environ["PYTHONPATH"] = str(ROOT)
     cluster = Cluster(initialize_head=True, head_node_args={**NODE, "num_cpus": 0})
-    for _ in range(2):
+    for _ in range(NODES):
         cluster.add_node(**NODE)
     yield cluster
     cluster.shutdown()
     os.environ["PYTHONPATH"] = before or ""
 
 
-def who(job: int, pulse: Pulse) -> tuple[int, int]:
-    return job, os.getppid()
+class Place(NamedTuple):
+    """Where a job was done: process of the worker, and of Ray around it."""
+
+    job: int
+    worker: int
+    ray: int
 
 
-def lost(job: int, loss: Loss) -> tuple[int, int]:
+def who(job: int, pulse: Pulse) -> Place:
+    return Place(job, os.getpid(), os.getppid())
+
+
+def meet(job: int, pulse: Pulse, folder: Path) -> Place:
+    """Waits until jobs have come to as many of Ray's processes as there are nodes."""
+    place = who(job, pulse)
+    (folder / str(place.ray)).touch()
+    while len(list(folder.iterdir())) < NODES:
+        time.sleep(0.01)
+    return place
+
+
+def lost(job: int, loss: Loss) -> Place:
     raise AssertionError(str(loss))
 
 
@@ -71,10 +90,16 @@ def test_rows_on_a_cluster_are_the_rows_of_one_worker(cluster: Cluster, tmp_path
     assert {row.message for row in rows} >= {"act, step 0: worker died (exit status 11)"}
 
 
-def test_jobs_go_to_every_node_and_groups_keep_their_process(cluster: Cluster) -> None:
-    results = list(Ray(cluster.address).execute(Work(who, lost), range(8)))
-    assert sorted(job for job, _ in results) == list(range(8))
-    assert 1 <= len({ray_process for _, ray_process in results}) <= 2
+def test_jobs_go_to_every_node_and_groups_keep_their_process(
+    cluster: Cluster, tmp_path: Path
+) -> None:
+    work = Work(partial(meet, folder=tmp_path), lost, lambda job: str(job % 2), seconds=60.0)
+    places = list(Ray(cluster.address).execute(work, range(12)))
+    assert sorted(place.job for place in places) == list(range(12))
+    assert len({place.ray for place in places}) == NODES
+    groups = {(place.ray, place.job % 2) for place in places}
+    workers = {(place.ray, place.job % 2, place.worker) for place in places}
+    assert len(workers) == len(groups) == len({place.worker for place in places})
 
 
 @pytest.mark.slow

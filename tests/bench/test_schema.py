@@ -8,10 +8,12 @@ from pathlib import Path
 import pytest
 
 from benchmarks.conditions import TaskSpec
-from benchmarks.manifest import FILE_NAME, Manifest, read_manifest
+from benchmarks.manifest import FILE_NAME, Manifest, config_hash, read_manifest
+from benchmarks.plan import plan_suite
 from benchmarks.results import ROWS_NAME, read_rows
 from benchmarks.rows import Row
 from benchmarks.schema import SCHEMA
+from benchmarks.suites import SUITES
 
 PUBLISHED = Path(__file__).parents[2] / "benchmarks" / "published"
 FOLDERS = sorted(path.parent for path in PUBLISHED.rglob(FILE_NAME))
@@ -37,6 +39,25 @@ def test_published_manifests_describe_their_rows(folder: Path) -> None:
     assert manifest.mixed == ()
     planned = {job.key: job.seed for job in manifest.plan.jobs()}
     assert {row.key: row.seed for row in read_rows(folder)} == planned
+
+
+@pytest.mark.parametrize("folder", FOLDERS, ids=lambda path: path.name)
+def test_published_manifests_hash_their_plan(folder: Path) -> None:
+    manifest = read_manifest(folder)
+    written = json.loads((folder / FILE_NAME).read_text(encoding="utf-8"))
+    if written["schema"] >= 2:
+        assert written["config"] == manifest.config == config_hash(manifest.plan)
+    else:
+        assert manifest.config == ""
+
+
+def test_published_rows_of_a_suite_are_those_of_its_plan() -> None:
+    suites = {suite.title: suite for suite in SUITES.values()}
+    plans = [read_manifest(folder).plan for folder in FOLDERS]
+    of_suites = [plan for plan in plans if plan.suite in suites]
+    assert of_suites
+    for plan in of_suites:
+        assert plan == plan_suite(suites[plan.suite], plan.agents)
 
 
 def test_there_is_a_manifest_of_the_first_schema() -> None:

@@ -6,10 +6,29 @@ import numpy as np
 import pytest
 
 from benchmarks.conditions import Condition, TaskSpec, make_env
+from benchmarks.manifest import config_hash
 from benchmarks.plan import Plan, plan_suite
-from benchmarks.suites import CABLE, CONTACT_GOALS, SUITES, episode_seed, find_suite
+from benchmarks.suites import (
+    CABLE,
+    CONTACT_GOALS,
+    SUITES,
+    agent_seed,
+    episode_seed,
+    find_suite,
+)
 from icd_envs.errors import InvalidOptionError
 from icd_envs.registration import ENV_IDS
+
+PROMISED = {
+    "smoke": (2, "c1ba94dd2214712e07218074cf54d0e9bd506c6012a265cba77a819119cc5770"),
+    "quick": (2, "ab9351f94f79da3a24c356df98e70d037a0aa9f066afb82acb97df6c4569f32f"),
+    "paper": (1, "bf07595846e88d0f2d3fc8c57ed86b8fbf94f3c3ec851300603fd6fa69858010"),
+    "full": (1, "f577a703f6f1189b6ea212403d034c6b623aea33e59efc476c6a69478ed0ac40"),
+    "robust": (3, "e44a16e6ceadd48f9901449fbd590d976ae847c1a6f01d09710e99edb39b1004"),
+    "contact": (2, "dede3b44923d4c5065482214732d68f21e0a54b7087630305c0a8468f0b90826"),
+    "validation": (1, "f70ae4c43666ae28801d7fa9c7bb3c89a91f2aba4601cda313f0b903d1b51921"),
+}
+"""Version of every suite, and the sha256 of its plan for one agent called ``a``."""
 
 
 def test_seed_follows_the_documented_law() -> None:
@@ -69,10 +88,16 @@ def test_plan_refuses_nonsense(fields: dict[str, object]) -> None:
         Plan(**{"agents": ("a",), "tasks": (TaskSpec("E"),), "episodes": 1, **fields})
 
 
-def test_suites_are_versioned_and_found_by_name() -> None:
+def test_a_suite_changes_only_with_its_version() -> None:
+    assert {
+        name: (suite.version, config_hash(plan_suite(suite, ["a"])).removeprefix("sha256:"))
+        for name, suite in SUITES.items()
+    } == PROMISED
+
+
+def test_suites_are_found_by_name() -> None:
     assert find_suite("smoke").episodes == 1
     assert find_suite("paper").description == "3 tasks x 10 cases x 2 seeds"
-    assert all(suite.version >= 1 and suite.tasks for suite in SUITES.values())
     with pytest.raises(InvalidOptionError, match="did you mean 'quick'"):
         find_suite("quik")
 
@@ -84,6 +109,11 @@ def test_repeats_meet_the_same_scenes_with_another_seed_of_the_agent() -> None:
     assert [job.seed for job in jobs[3:]] == [job.seed for job in jobs[:3]]
     assert all(job.agent_seed == job.seed for job in jobs[:3])
     assert len({job.agent_seed for job in jobs}) == 6
+
+
+@pytest.mark.parametrize(("repeat", "seed"), [(0, 123456789), (1, 1669894314), (2, 1597041585)])
+def test_agents_seed_follows_the_documented_law(repeat: int, seed: int) -> None:
+    assert agent_seed(123456789, repeat) == seed
 
 
 def test_conditions_share_scenes() -> None:
@@ -118,9 +148,10 @@ def test_validation_shares_no_scene_with_tests_or_demonstrations() -> None:
     suite = find_suite("validation")
     plan = plan_suite(suite, ["a"])
     assert plan.suite == suite.title
-    for job in plan.jobs():
-        env: Any = make_env(job.task).unwrapped
-        assert env.split == "train"
+    for task in plan.tasks:
+        env: Any = make_env(task)
+        assert env.unwrapped.split == "train"
+        env.close()
     # Demonstrations take the seeds of base seed 0, more of them than anyone collects.
     recorded = {episode_seed(0, task.env, i) for task in plan.tasks for i in range(20_000)}
     assert not recorded & {job.seed for job in plan.jobs()}
@@ -136,6 +167,7 @@ def test_every_task_of_every_suite_can_be_made() -> None:
         env = make_env(task)
         assert env.spec is not None
         assert env.spec.id == task.env
+        env.close()
 
 
 def test_robust_names_every_condition_of_its_promise() -> None:

@@ -6,7 +6,6 @@ import json
 import re
 import subprocess
 import sys
-from itertools import takewhile
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
@@ -62,22 +61,3 @@ def test_readme_agent_example_gets_a_row_in_the_table(tmp_path: Path) -> None:
     assert result.returncode == 0, result.stderr
     (row,) = json.loads(result.stdout)
     assert (row["agent"], row["episodes"], row["errors"]) == ("my_agent:Pull", 2, 0)
-
-
-def test_readme_names_only_commands_and_options_that_exist() -> None:
-    commands = re.findall(r"^icd-bench (.*?)(?:\s*#.*)?$", README, re.M)
-    assert len(commands) >= 6
-    for command in commands:
-        words = command.split()
-        verbs = list(takewhile(lambda word: not word.startswith("-"), words))[:2]
-        shown = subprocess.run(
-            [sys.executable, "-m", "benchmarks", *verbs, "--help"],
-            capture_output=True, text=True, check=True, timeout=60,
-        ).stdout  # fmt: skip
-        for option in (word for word in words if word.startswith("--")):
-            assert option in shown, f"icd-bench {' '.join(verbs)} has no {option}"
-
-
-def test_readme_links_lead_to_files() -> None:
-    for target in re.findall(r"\]\(([^)#]+)\)", README):
-        assert (ROOT / target).exists(), f"README links to a missing file: {target}"

@@ -18,34 +18,46 @@ from tests.demonstrations.making import contents, make_header
 ROOT = Path(__file__).parents[2]
 SCRIPT = """
 import sys
+import time
+from contextlib import contextmanager
 from pathlib import Path
 from benchmarks.collect import collect
 from benchmarks.executors import Local
 from icd_envs.demonstrations.header import Header
+
+@contextmanager
+def slowly(total, rows):
+    yield lambda row: time.sleep(0.05)
+
 if __name__ == "__main__":
-    fields = {fields!r}
-    collect(Header(**fields), Path(sys.argv[1]), Local(int(sys.argv[2])))
+    out, workers, episodes = sys.argv[1:]
+    header = Header(**{{**{fields!r}, "episodes": int(episodes)}})
+    collect(header, Path(out), Local(int(workers)), watch=slowly)
 """
 
 
 @pytest.fixture(scope="module")
 def script(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Collects eight episodes in shards of one."""
+    """Collects in shards of one episode."""
     path = tmp_path_factory.mktemp("script") / "collect_some.py"
-    header: Header = make_header(episodes=8, shard_episodes=1)
+    header: Header = make_header(shard_episodes=1)
     path.write_text(SCRIPT.format(fields=vars(header)))
     return path
 
 
-def start(script: Path, out: Path, workers: int) -> subprocess.Popen[str]:
-    command = [sys.executable, str(script), str(out), str(workers)]
+def start(script: Path, out: Path, workers: int, episodes: int) -> subprocess.Popen[str]:
+    command = [sys.executable, str(script), str(out), str(workers), str(episodes)]
     return subprocess.Popen(
         command, cwd=ROOT, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE
     )
 
 
-def finish(script: Path, out: Path, workers: int = 1) -> dict[str, bytes]:
-    process = start(script, out, workers)
+def shards(out: Path) -> int:
+    return len(list(out.glob("shard-*.npz")))
+
+
+def finish(script: Path, out: Path, workers: int, episodes: int) -> dict[str, bytes]:
+    process = start(script, out, workers, episodes)
     _, errors = process.communicate(timeout=240)
     assert process.returncode == 0, errors
     return contents(out)
@@ -59,19 +71,22 @@ def finish(script: Path, out: Path, workers: int = 1) -> dict[str, bytes]:
 def test_killed_and_resumed_folder_is_the_uninterrupted_one(
     script: Path, tmp_path: Path, workers: int, kills: int
 ) -> None:
-    begun = time.monotonic()
-    whole = finish(script, tmp_path / "whole", workers)
-    duration = time.monotonic() - begun
-    out = tmp_path / "killed"
-    for moment in np.random.default_rng(kills + workers).uniform(0.3, 1.0, kills) * duration:
-        process = start(script, out, workers)
-        time.sleep(moment)
+    episodes = 3 * kills + 6
+    whole = finish(script, tmp_path / "whole", workers, episodes)
+    assert len(whole) == episodes + 1
+    out, counts = tmp_path / "killed", [0]
+    for delay in np.random.default_rng(kills + workers).uniform(0.0, 0.1, kills):
+        process = start(script, out, workers, episodes)
+        while shards(out) == counts[-1] and process.poll() is None:
+            time.sleep(0.005)
+        time.sleep(delay)  # somewhere in the next episodes
         process.kill()
         process.communicate()
-        if (out / "demonstrations.json").exists() and list(out.glob("shard-*.npz")):
-            Demonstrations(out, partial=True)  # what is there is whole
-    assert finish(script, out) == whole
-    assert len(whole) == 9
+        counts.append(shards(out))
+        assert len(Demonstrations(out, partial=True)) == counts[-1]  # what is there is whole
+    assert counts == sorted(counts)
+    assert any(0 < count < episodes for count in counts), counts
+    assert finish(script, out, 1, episodes) == whole
     assert not list(out.glob("*.tmp"))
 
 

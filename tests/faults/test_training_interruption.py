@@ -2,46 +2,46 @@
 
 from __future__ import annotations
 
+import json
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
+import torch
 
+from icd_agent.training.loop import LOG_NAME, STATE_NAME
 from tests.faults.training_run import RUNS, TRAINING
 
 ROOT = Path(__file__).parents[2]
 
 
-def start(kind: str, out: Path) -> subprocess.Popen[str]:
-    command = [sys.executable, "-m", "tests.faults.training_run", kind, str(out)]
-    return subprocess.Popen(command, cwd=ROOT, text=True, stderr=subprocess.PIPE)
+def run(*arguments: object) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "tests.faults.training_run", *map(str, arguments)]
+    return subprocess.run(
+        command, cwd=ROOT, text=True, capture_output=True, check=False, timeout=240
+    )
 
 
 def finish(kind: str, out: Path) -> bytes:
-    process = start(kind, out)
-    _, errors = process.communicate(timeout=240)
-    assert process.returncode == 0, errors
+    finished = run(kind, out)
+    assert finished.returncode == 0, finished.stderr
     return (out / "model.safetensors").read_bytes()
 
 
-def lines(out: Path) -> int:
-    log = out / "training.jsonl"
-    return len(log.read_text().splitlines()) if log.exists() else 0
+def logged(out: Path) -> list[int]:
+    return [json.loads(line)["step"] for line in (out / LOG_NAME).read_text().splitlines()]
 
 
 @pytest.mark.parametrize("kind", RUNS)
 def test_killed_training_ends_with_the_same_weights(kind: str, tmp_path: Path) -> None:
     whole, killed = finish(kind, tmp_path / "whole"), tmp_path / "killed"
-    for after in (1, 10):  # before the first save, and after it
-        before, process = lines(killed), start(kind, killed)
-        while process.poll() is None and lines(killed) < before + after:
-            time.sleep(0.005)
-        process.kill()
-        process.communicate()
-        assert process.returncode == -signal.SIGKILL
-        assert not (killed / "model.safetensors").exists()
-    assert lines(killed) > TRAINING.save_every
+    assert (TRAINING.steps, TRAINING.save_every, TRAINING.log_every) == (60, 7, 1)
+    assert run(kind, killed, 3).returncode == -signal.SIGKILL
+    assert not (killed / STATE_NAME).exists()
+    assert run(kind, killed, 30).returncode == -signal.SIGKILL
+    assert torch.load(killed / STATE_NAME, weights_only=True)["step"] == 28
+    assert not (killed / "model.safetensors").exists()
     assert finish(kind, killed) == whole
+    assert logged(killed) == [*range(1, 3), *range(1, 30), *range(29, 61)]
