@@ -12,6 +12,7 @@ from typing import Final
 
 from icd_agent.checkpoints import check_made_with, check_task, read_about
 from icd_agent.diffused import DiffusedSource
+from icd_agent.diffusion.config import ChainConfig
 from icd_agent.diffusion.generate import Generator
 from icd_agent.diffusion.train import KIND as DIFFUSION
 from icd_agent.diffusion.train import load_diffusion
@@ -33,28 +34,46 @@ PLACE: Final = 3
 
 def make_subgoal_diffuser(env_id: str, weights: Path | None = None) -> SubgoalTracker:
     """Build it with everything that helps ICD, the transfer of goals of other scenes included."""
-    return compose(env_id, weights or _shipped(env_id), best_preset(env_id))
+    return compose(env_id, weights or shipped_folder(env_id, SUBGOAL_DIFFUSER), best_preset(env_id))
 
 
 def make_subgoal_diffuser_paper(env_id: str, weights: Path | None = None) -> SubgoalTracker:
     """Build it as in the paper: one chain, the goal in-painted where it lies, white noise."""
-    return compose(env_id, weights or _shipped(env_id), "paper")
+    return compose(env_id, weights or shipped_folder(env_id, SUBGOAL_DIFFUSER), "paper")
 
 
 def compose(env_id: str, folder: Path, settings: str) -> SubgoalTracker:
-    """Put trained networks together.
+    """Put trained networks and a planner together.
+
+    Args:
+        env_id: see ``chains_of_places``, as for the folder.
+        folder: of the networks.
+        settings: name of ICD's preset.
+
+    Raises:
+        CheckpointError: see ``chains_of_places``.
+    """
+    chosen = PRESETS[settings]
+    source, space = chains_of_places(env_id, folder, chosen.chain)
+    return SubgoalTracker(source, space, preset(chosen.mppi), chosen.tracker)
+
+
+def chains_of_places(
+    env_id: str, folder: Path, settings: ChainConfig
+) -> tuple[DiffusedSource, ScenePoints]:
+    """Put trained networks together: what generates chains, and the space that they are of.
 
     Args:
         env_id: whose field of the package tells fixtures from the floor, if the folder has none.
         folder: of ``latent``, ``diffusion`` and perhaps ``field``, as ``icd-bench train
             subgoal-diffuser`` leaves it.
-        settings: name of ICD's preset.
+        settings: of ICD's chains; there is no field to be asked.
 
     Raises:
         CheckpointError: missing or damaged weights, those of another task, or such as were not
             trained on one another.
     """
-    chosen, seen = PRESETS[settings], folder / FIELD
+    seen = folder / FIELD
     if not seen.is_dir():
         seen = shipped_folder(env_id, LOCAL_FIELD)
     for part in (LATENT, DIFFUSION):
@@ -69,12 +88,6 @@ def compose(env_id: str, folder: Path, settings: str) -> SubgoalTracker:
         )
     denoiser = load_diffusion(folder / DIFFUSION)
     check_chains(latent.config, denoiser.config)
-    chain = replace(chosen.chain, ask_field=False)
-    generator = Generator(denoiser, latent, chain)
+    generator = Generator(denoiser, latent, replace(settings, ask_field=False))
     source = DiffusedSource(field, latent, generator, seen_from="start")
-    space = ScenePoints(field, "in place" if chain.inpaint_goal else "in its scene")
-    return SubgoalTracker(source, space, preset(chosen.mppi), chosen.tracker)
-
-
-def _shipped(env_id: str) -> Path:
-    return shipped_folder(env_id, SUBGOAL_DIFFUSER)
+    return source, ScenePoints(field, "in place" if settings.inpaint_goal else "in its scene")

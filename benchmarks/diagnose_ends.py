@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Final, Literal
 
 import numpy as np
 
+from baselines.subgoal_diffuser import chains_of_places
 from benchmarks.conditions import Condition, TaskSpec, make_env, parse_options
 from benchmarks.console import Values
 from benchmarks.parts import check_places
+from icd_agent.chain import CostSpace
 from icd_agent.completion import Completion
 from icd_agent.diffused import DiffusedSource
 from icd_agent.diffusion.generate import Generator
 from icd_agent.field.space import ExactFieldSpace
 from icd_agent.networks import load_networks, load_shipped
 from icd_agent.presets import PRESETS, best_preset
+from icd_agent.weights import SUBGOAL_DIFFUSER, shipped_folder
 from icd_envs.demonstrations import find_task
 from icd_envs.errors import InvalidOptionError
 from icd_envs.tasks.env import ContactEnv
@@ -25,10 +28,15 @@ SOLVED = 0.0
 """Reward."""
 
 
+Generates = Literal["icd", "subgoal-diffuser"]
+"""Agents that generate the last subgoal for a goal of another scene."""
+
+
 def diagnose(
     env_id: str,
     scenes: int,
     *,
+    agent: Generates = "icd",
     seed: int,
     chains: int,
     weights: Path | None,
@@ -39,17 +47,17 @@ def diagnose(
     Args:
         env_id: an environment whose goals are of another scene.
         scenes: how many.
+        agent: who generates them.
         seed: of the first scene; the others follow.
         chains: asked for in each scene.
-        weights: folder of field, latent and diffusion, as ``ICDAgent.from_pretrained`` takes it;
-            None is the package's.
+        weights: folder of the agent's networks, as training leaves it; None is the package's.
         options: of the task, each as ``name=value``; in a partial view hidden points of the object
             are guessed, as the agent does.
 
     Returns:
         ``right``, the share of last subgoals that solve the task; ``right_scenes``, the share of
         scenes in which most of them do; ``goal_right``, that of scenes in which the goal would, had
-        its cloud been kept where it is.
+        its cloud been kept where it is; ``rights``, how many solve it, scene by scene.
 
     Raises:
         InvalidOptionError: unknown environment or option, or goals of the present scene: there the
@@ -57,12 +65,7 @@ def diagnose(
         CheckpointError: missing or damaged weights.
     """
     find_task(env_id)  # an environment that has none is refused
-    networks = load_shipped(env_id) if weights is None else load_networks(weights, env_id)
-    check_places(networks.diffusion)
-    settings = PRESETS[best_preset(env_id)].chain
-    generator = Generator(networks.diffusion, networks.latent, settings)
-    source = DiffusedSource(networks.encoded, networks.latent, generator)
-    space = ExactFieldSpace(networks.encoded)
+    source, space = MAKERS[agent](env_id, weights)
     told = parse_options(options)
     env: Any = make_env(TaskSpec(env_id, Condition("diagnosed", told))).unwrapped
     assert isinstance(env, ContactEnv)
@@ -93,4 +96,26 @@ def diagnose(
         "right": float(right.mean()),
         "right_scenes": float((right.mean(axis=1) > 0.5).mean()),
         "goal_right": float(kept.mean()),
+        "rights": " ".join(map(str, right.sum(axis=1))),
     }
+
+
+def _contacts(env_id: str, weights: Path | None) -> tuple[DiffusedSource, CostSpace]:
+    """ICD's chains, encoded in the exact field: no grid is baked, nothing is followed."""
+    networks = load_shipped(env_id) if weights is None else load_networks(weights, env_id)
+    check_places(networks.diffusion)
+    settings = PRESETS[best_preset(env_id)].chain
+    generator = Generator(networks.diffusion, networks.latent, settings)
+    source = DiffusedSource(networks.encoded, networks.latent, generator)
+    return source, ExactFieldSpace(networks.encoded)
+
+
+def _places(env_id: str, weights: Path | None) -> tuple[DiffusedSource, CostSpace]:
+    folder = weights or shipped_folder(env_id, SUBGOAL_DIFFUSER)
+    return chains_of_places(env_id, folder, PRESETS[best_preset(env_id)].chain)
+
+
+MAKERS: Final[dict[Generates, Callable[[str, Path | None], tuple[DiffusedSource, CostSpace]]]] = {
+    "icd": _contacts,
+    "subgoal-diffuser": _places,
+}

@@ -220,6 +220,9 @@ def diagnose_ends(
     env: Env,
     scenes: Scenes = 20,
     seed: Seed = 0,
+    agent: Annotated[
+        Literal["icd", "subgoal-diffuser"], typer.Option(help="Who generates it.")
+    ] = "icd",
     chains: Annotated[int, typer.Option(min=1, help="Chains per scene.")] = 6,
     weights: WeightsOfAgent = None,
     options: TaskOptions = None,
@@ -230,7 +233,13 @@ def diagnose_ends(
         from benchmarks.diagnose_ends import diagnose
 
         values = diagnose(
-            env, scenes, seed=seed, chains=chains, weights=weights, options=options or ()
+            env,
+            scenes,
+            agent=agent,
+            seed=seed,
+            chains=chains,
+            weights=weights,
+            options=options or (),
         )
         say(values, as_json)
 

@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 import json
+from typing import Any
 
 import pytest
 
 from benchmarks import diagnose_ends
 from benchmarks.conditions import TaskSpec, make_env
-from icd_agent.weights import LOCAL, shipped_folder
+from icd_agent.weights import LOCAL, SUBGOAL_DIFFUSER, shipped_folder
 from tests.bench.test_cli import icd_bench
 from tests.envs.making import CABLE
 
 ADAPTATION = "ICDCableRoutingAdaptation-v0"
 
 
-def ends(*arguments: object) -> dict[str, float]:
+def ends(*arguments: object) -> dict[str, Any]:
     command = ("diagnose", "ends", "--env", ADAPTATION, "--chains", 3, *arguments, "--json")
     found = icd_bench(*command)
     assert found.exit_code == 0, found.stderr
-    values: dict[str, float] = json.loads(found.stdout)
+    values: dict[str, Any] = json.loads(found.stdout)
     return values
 
 
@@ -62,3 +63,11 @@ def test_it_refuses_in_one_line(arguments: tuple[str, ...], message: str) -> Non
     refused = icd_bench("diagnose", "ends", "--scenes", 1, *arguments)
     assert refused.exit_code == 2
     assert message in refused.stderr
+
+
+def test_the_ends_of_a_model_without_descriptors_are_judged_alike() -> None:
+    values = ends("--scenes", 1, "--agent", "subgoal-diffuser")
+    assert values["rights"] == str(round(3 * values["right"]))
+    weights = shipped_folder(CABLE, SUBGOAL_DIFFUSER)
+    assert ends("--scenes", 1, "--agent", "subgoal-diffuser", "--weights", weights) == values
+    assert ends("--scenes", 1)["right"] != values["right"]
