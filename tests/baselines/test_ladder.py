@@ -35,7 +35,7 @@ def test_chain_is_every_tenth_state_and_the_last_once(steps: int, kept: int) -> 
     world, oracle = ToyWorld(), expert(steps)
     observation = world.observation()
     space = PointSpace().place(observation)
-    chain, clouds, _ = OracleSource().chain(world.episode(oracle), observation, space, RNG)
+    chain, clouds, *_ = OracleSource().chain(world.episode(oracle), observation, space, RNG)
     assert len(chain) == kept
     np.testing.assert_array_equal(clouds, chain)
     np.testing.assert_array_equal(chain[-1], oracle.points[-1])
@@ -49,7 +49,7 @@ def test_each_solution_is_seen_in_its_own_scene(
     world, oracle, goal_oracle = ToyWorld(), expert(20), expert(40)
     episode = replace(world.episode(oracle), goal_oracle=goal_oracle)
     space = Placed(lambda points: 1.0 * points, lambda points: 2.0 * points)
-    chain, clouds, _ = OracleSource(scene).chain(episode, world.observation(), space, RNG)
+    chain, clouds, *_ = OracleSource(scene).chain(episode, world.observation(), space, RNG)
     assert len(chain) == (3 if scene == "present" else 5)
     assert clouds is not None
     np.testing.assert_array_equal(chain, factor * clouds)
