@@ -34,7 +34,13 @@ def logged(out: Path) -> list[int]:
     return [json.loads(line)["step"] for line in (out / LOG_NAME).read_text().splitlines()]
 
 
-@pytest.mark.parametrize("kind", RUNS)
+KINDS = [
+    kind if kind == "diffusion" else pytest.param(kind, marks=pytest.mark.slow) for kind in RUNS
+]
+"""One in the fast suite: all three share the loop that saves and goes on."""
+
+
+@pytest.mark.parametrize("kind", KINDS)
 def test_killed_training_ends_with_the_same_weights(kind: str, tmp_path: Path) -> None:
     whole, killed = finish(kind, tmp_path / "whole"), tmp_path / "killed"
     assert (TRAINING.steps, TRAINING.save_every, TRAINING.log_every) == (60, 7, 1)
