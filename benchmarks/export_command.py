@@ -7,8 +7,7 @@ from pathlib import Path
 import gymnasium as gym
 
 from benchmarks.console import Values
-from icd_envs import ENV_IDS
-from icd_envs.errors import InvalidOptionError, unknown_name
+from icd_envs.demonstrations import find_task
 from icd_envs.export import export_glb
 
 
@@ -16,7 +15,7 @@ def export_scene(env_id: str, out: Path, *, seed: int, split: str) -> Values:
     """Draw a scene and write it.
 
     Args:
-        env_id: which environment.
+        env_id: which environment, with a task of this package or of your own.
         out: file to write, ends in ``.glb``.
         seed: of the scene.
         split: ``train`` or ``test``.
@@ -27,8 +26,7 @@ def export_scene(env_id: str, out: Path, *, seed: int, split: str) -> Values:
     Raises:
         IcdError: unknown environment or split, impossible seed or file.
     """
-    if env_id not in ENV_IDS:
-        raise InvalidOptionError(unknown_name("environment id", env_id, ENV_IDS))
+    find_task(env_id)  # an environment that has none is refused
     env = gym.make(env_id, split=split)
     try:
         env.reset(seed=seed)

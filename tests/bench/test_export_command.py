@@ -44,7 +44,7 @@ def test_another_seed_is_another_scene_and_replaces_the_file(tmp_path: Path) -> 
     ("arguments", "message"),
     [
         (["--env", "ICDCableRoutin-v0", "--out", "a.glb"], "did you mean 'ICDCableRouting-v0'"),
-        (["--env", "CartPole-v1", "--out", "a.glb"], "unknown environment id 'CartPole-v1'"),
+        (["--env", "CartPole-v1", "--out", "a.glb"], "is a CartPoleEnv, which has no task"),
         (["--env", CABLE, "--split", "tset", "--out", "a.glb"], "did you mean 'test'"),
         (["--env", CABLE, "--seed", "-1", "--out", "a.glb"], "--seed"),
         (["--env", CABLE, "--seed", str(2**64), "--out", "a.glb"], "seed must be in"),

@@ -17,6 +17,7 @@ import pytest
 from benchmarks import diagnose_diffusion
 from benchmarks.registry import Offer, make_agent
 from tests.bench.test_cli import icd_bench
+from tests.envs.glb import reloaded
 
 PAGE = (Path(__file__).parents[2] / "docs" / "own-task.md").read_text("utf-8")
 COMMANDS = re.findall(r"^icd-bench (.*)$", PAGE.replace("\\\n", ""), re.M)
@@ -86,6 +87,8 @@ def test_task_of_the_page_is_benchmarked_recorded_and_read(folder: Path) -> None
     assert said[0] == "import it first False"
     assert said[1] == "StrictFolding-v0 200 True False"
     assert said[2] == "1 (6, 200, 3)"
+    run(folder, "-m", "benchmarks", "export-scene", "--env", ENV, "--out", "scene.glb")
+    assert {"sheet_0", "sheet_7", "finger_right"} <= set(reloaded(folder / "scene.glb"))
 
 
 @pytest.fixture
