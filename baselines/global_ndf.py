@@ -11,7 +11,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from icd_agent.agent import ICDAgent
-from icd_agent.networks import load_networks
+from icd_agent.networks import Networks, load_networks, one_field
 from icd_agent.presets import best_preset
 from icd_agent.weights import GLOBAL, shipped_folder
 
@@ -25,7 +25,16 @@ def make_global_ndf(env_id: str, weights: Path | None = None) -> ICDAgent:
             global-ndf`` leaves it; None is the package's.
 
     Raises:
-        CheckpointError: missing or damaged weights.
+        CheckpointError: missing or damaged weights, or those of other fields.
     """
-    networks = load_networks(weights or shipped_folder(env_id, GLOBAL), env_id)
+    networks = _networks(env_id, weights)
     return ICDAgent(networks, best_preset(networks.env_id or env_id))
+
+
+def make_global_ndf_paper(env_id: str, weights: Path | None = None) -> ICDAgent:
+    """Build it with the paper's settings, as ``icd-paper``; see ``make_global_ndf``."""
+    return ICDAgent(_networks(env_id, weights), "paper")
+
+
+def _networks(env_id: str, weights: Path | None) -> Networks:
+    return one_field(load_networks(weights or shipped_folder(env_id, GLOBAL), env_id), "global")

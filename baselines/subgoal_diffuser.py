@@ -38,7 +38,7 @@ def make_subgoal_diffuser(env_id: str, weights: Path | None = None) -> SubgoalTr
 
 
 def make_subgoal_diffuser_paper(env_id: str, weights: Path | None = None) -> SubgoalTracker:
-    """Build it as in the paper: one chain, the goal in-painted where it lies, white noise."""
+    """Build it with the paper's settings: one chain, the goal in-painted where it lies."""
     return compose(env_id, weights or shipped_folder(env_id, SUBGOAL_DIFFUSER), "paper")
 
 
@@ -48,14 +48,16 @@ def compose(env_id: str, folder: Path, settings: str) -> SubgoalTracker:
     Args:
         env_id: see ``chains_of_places``, as for the folder.
         folder: of the networks.
-        settings: name of ICD's preset.
+        settings: name of ICD's preset; with "paper" the planner has the paper's temperature, too,
+            which is one of metres.
 
     Raises:
         CheckpointError: see ``chains_of_places``.
     """
     chosen = PRESETS[settings]
     source, space = chains_of_places(env_id, folder, chosen.chain)
-    return SubgoalTracker(source, space, preset(chosen.mppi), chosen.tracker)
+    planner = preset("paper" if settings == "paper" else chosen.mppi)
+    return SubgoalTracker(source, space, planner, chosen.tracker)
 
 
 def chains_of_places(

@@ -6,7 +6,7 @@ import shutil
 from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Final, NamedTuple
+from typing import Any, Final, Literal, NamedTuple
 
 from torch import nn
 
@@ -108,6 +108,29 @@ def load_networks(folder: Path, env_id: str | None = None) -> Networks:
         found.check_task(task)
     check_fit(found)
     return found
+
+
+def one_field(networks: Networks, scope: Literal["local", "global"]) -> Networks:
+    """The same, if chains are generated and followed in one field of this scope.
+
+    Args:
+        networks: any.
+        scope: see ``FieldConfig``.
+
+    Raises:
+        CheckpointError: there are two fields, or one of the other scope.
+    """
+    if networks.whole is not None:
+        raise CheckpointError(
+            f"one field is wanted, of scope {scope!r}, but these weights generate chains in "
+            f"another ({WHOLE!r}) than they follow: use weights trained on one field, or agent icd"
+        )
+    if (found := networks.field.config.scope) != scope:
+        raise CheckpointError(
+            f"a field of scope {scope!r} is wanted, but these weights have one of scope {found!r}: "
+            f"icd-bench train field --scope {scope}"
+        )
+    return networks
 
 
 def encoded_part(folder: Path) -> str:

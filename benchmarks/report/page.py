@@ -14,7 +14,7 @@ from benchmarks.report.collected import Collected, Found, counted
 from benchmarks.report.comparisons import Comparison, compare_all, compare_with
 from benchmarks.report.episodes_table import as_columns
 from benchmarks.report.failures import count_endings, ending
-from benchmarks.report.paper import PaperResult, paper_of, paper_protocol
+from benchmarks.report.paper import PaperResult, method_of, paper_of, paper_protocol
 from benchmarks.report.summaries import Summary, summarise
 from benchmarks.rows import Row
 from benchmarks.statistics import Interval
@@ -54,7 +54,8 @@ class Section:
     @property
     def not_run(self) -> list[PaperResult]:
         """Methods of the paper that are not among the agents."""
-        return [result for agent, result in self.paper.items() if agent not in self.by_agent]
+        run = set(map(method_of, self.by_agent))
+        return [result for agent, result in self.paper.items() if agent not in run]
 
 
 @dataclass(frozen=True)
@@ -108,7 +109,7 @@ def render(collected: Collected, *, videos: Choice = "all", megabytes: float = 2
         lstrip_blocks=True,
     )
     environment.filters.update(percent=percent, interval=interval, p_value=p_value, counted=counted)
-    environment.globals["task_title"] = task_title
+    environment.globals.update(task_title=task_title, method_of=method_of)
     films, left_out = _embed(collected.found, videos, megabytes)
     sections = [_section(collected, task) for task in collected.tasks]
     agents = list(dict.fromkeys(s.agent for section in sections for s in section.summaries))

@@ -12,6 +12,8 @@ from benchmarks.report.summaries import Summary
 from benchmarks.statistics import Interval, fisher_p, wilson
 
 _FILE: Final = Path(__file__).with_name("paper.json")
+_WAYS: Final = ("-paper", "-improved")
+"""What names of our agents end in that run a method with the paper's settings, or with ICD's."""
 
 
 @dataclass(frozen=True)
@@ -74,6 +76,13 @@ def paper_protocol() -> str:
     """How many runs each number stands for."""
     protocol: str = json.loads(_FILE.read_text(encoding="utf-8"))["protocol"]
     return protocol
+
+
+def method_of(agent: str) -> str:
+    """Our name of the method that an agent runs, in its own settings or in others."""
+    for way in _WAYS:
+        agent = agent.removesuffix(way)
+    return agent
 
 
 def paper_of(env: str, condition: str = "default") -> dict[str, PaperResult]:

@@ -9,7 +9,7 @@ from typing import Final
 from benchmarks.conditions import task_title
 from benchmarks.report.collected import Collected
 from benchmarks.report.comparisons import compare_all
-from benchmarks.report.paper import PaperResult, paper_of
+from benchmarks.report.paper import PaperResult, method_of, paper_of
 from benchmarks.report.summaries import Summary, summaries, summarise
 from benchmarks.statistics import Interval
 
@@ -94,7 +94,7 @@ def _cells(summary: Summary) -> tuple[str, ...]:
         "n/a" if steps is None else f"{steps:.0f}",
         "n/a" if seconds is None else f"{1e3 * seconds:.1f}",
         str(summary.errors),
-        _paper(paper_of(summary.env, summary.condition).get(summary.agent)),
+        _paper(paper_of(summary.env, summary.condition).get(method_of(summary.agent))),
     )
 
 

@@ -21,7 +21,8 @@ class Task(NamedTuple):
 
     Attributes:
         now: (V,) the present state, coded.
-        goal: (V,) the goal, coded in the scene it was specified in; without places if foreign.
+        goal: (V,) the goal, coded in the scene it was specified in; without places if foreign and
+            not in-painted.
         foreign: that scene is another.
         scene: (A, 3 + F) scene tokens seen from now.
     """
@@ -109,7 +110,7 @@ class Generator:
         chains = torch.stack([task.now, task.goal]).expand(count, -1, -1)
         told = _Told(
             task.goal.expand(count, -1),
-            torch.full((count,), task.foreign),
+            torch.full((count,), foreign),  # in training, foreign goals are not in-painted
             task.scene.expand(count, -1, -1),
         )
         seen = self._denoiser.look(*told)

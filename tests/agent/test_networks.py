@@ -10,6 +10,7 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
+from benchmarks.registry import Offer, make_agent
 from icd_agent.agent import ICDAgent
 from icd_agent.chain import WithPlaces
 from icd_agent.diffused import DiffusedSource
@@ -17,7 +18,7 @@ from icd_agent.diffusion.config import ChainConfig
 from icd_agent.diffusion.denoiser import Denoiser
 from icd_agent.diffusion.generate import Generator
 from icd_agent.field.space import ExactFieldSpace
-from icd_agent.networks import check_fit, load_networks, save_networks
+from icd_agent.networks import check_fit, load_networks, one_field, save_networks
 from icd_envs.errors import CheckpointError, InvalidOptionError
 from tests.agent.field.small import SMALL, small_field
 from tests.agent.test_icd_agent import DENOISER, FEATURES, LATENT, actions, networks
@@ -36,6 +37,17 @@ def test_a_denoiser_of_other_scenes_or_objects_is_refused(
     save_networks(misfit, tmp_path)
     with pytest.raises(CheckpointError, match=told):
         load_networks(tmp_path)
+
+
+def test_agents_of_one_field_refuse_two_and_another(tmp_path: Path) -> None:
+    local = networks()
+    assert one_field(local, "local") is local
+    with pytest.raises(CheckpointError, match=r"'global' is wanted, .* 'local': .*--scope global"):
+        one_field(local, "global")
+    save_networks(local._replace(whole=small_field(1)), tmp_path)
+    for name in ("icd-local", "icd-paper", "global-ndf", "global-ndf-paper"):
+        with pytest.raises(CheckpointError, match="use weights trained on one field"):
+            make_agent(f"{name}@{tmp_path}", Offer(CABLE))
 
 
 @pytest.mark.parametrize("reachable", [1e-3, 5.0])

@@ -18,6 +18,7 @@ from icd_agent.diffusion.denoiser import Denoiser
 from icd_agent.field.train import load_field
 from icd_agent.latent.config import LatentConfig
 from icd_agent.latent.model import LatentModel
+from icd_agent.mppi.presets import PAPER
 from icd_agent.scene_tokens import TOKENS
 from icd_agent.training.initial import initialise
 from icd_agent.weights import LOCAL_FIELD, shipped_folder
@@ -49,6 +50,7 @@ def test_it_plans_along_a_chain_that_ends_where_it_should(
     env: gym.Env[Any, Any], folder: Path, settings: str
 ) -> None:
     agent = compose(CABLE, folder, settings)
+    assert (agent.mppi_config == PAPER) == (settings == "paper")  # its temperature is of metres
     observation, _ = env.reset(seed=3)
     unwrapped: Any = env.unwrapped
     episode = unwrapped.episode(simulator=True)

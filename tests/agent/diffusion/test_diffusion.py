@@ -15,7 +15,7 @@ from icd_agent.diffusion import train
 from icd_agent.diffusion.chains import ChainData
 from icd_agent.diffusion.code import SubgoalCode
 from icd_agent.diffusion.config import LEVELS, LONGEST, ChainConfig, DiffusionConfig
-from icd_agent.diffusion.denoiser import COARSE, GIVEN, UNKNOWN, Denoiser
+from icd_agent.diffusion.denoiser import COARSE, GIVEN, UNKNOWN, Denoiser, KeyValue
 from icd_agent.diffusion.generate import Generator, Task
 from icd_agent.diffusion.retrieval import BankConfig, ChainBank, Retriever, load_bank, make_bank
 from icd_agent.diffusion.train import encode_states, load_diffusion, train_diffusion
@@ -145,6 +145,27 @@ def test_a_foreign_goal_is_generated_unless_in_painted(networks: Networks) -> No
     goal = networks.denoiser.code.latents(wanted.goal)
     torch.testing.assert_close(ends[True], goal, atol=1e-5, rtol=0.0)
     assert not torch.allclose(ends[False], goal, atol=1e-4)
+
+
+@pytest.mark.parametrize("inpaint", [True, False])
+def test_the_denoiser_is_told_of_foreign_goals_as_in_training(
+    networks: Networks, monkeypatch: pytest.MonkeyPatch, inpaint: bool
+) -> None:
+    told = []
+
+    def look(
+        self: Denoiser, goal: torch.Tensor, foreign: torch.Tensor, scene: torch.Tensor
+    ) -> list[KeyValue]:
+        told.append(bool(foreign.any()))
+        return seen(self, goal, foreign, scene)
+
+    seen = Denoiser.look
+    monkeypatch.setattr(Denoiser, "look", look)
+    config = ChainConfig(chains=1, denoising_steps=1, inpaint_goal=inpaint)
+    generator = Generator(networks.denoiser, networks.latent, config)
+    for foreign in (True, False):
+        generator.generate(task(networks, foreign=foreign), np.random.default_rng(0))
+    assert told == [not inpaint, False]
 
 
 def test_the_nearest_recorded_chain_is_found_at_every_length() -> None:

@@ -89,6 +89,14 @@ def test_tables_hold_our_numbers_beside_the_papers(tmp_path: Path) -> None:
     assert "13 out of steps, 0 % complete" in text
 
 
+def test_a_method_that_was_run_in_other_settings_was_run(tmp_path: Path) -> None:
+    rows = make_rows("global-ndf-paper", [True] * 7 + [False] * 13, env=CABLE)
+    text = " ".join(" ".join(page_of(save(tmp_path, rows)).text).split())
+    assert "Global NDF not run" not in text
+    assert "50.0 % 30 to 70" in text  # the paper's
+    assert "PC-MPPI not run" in text
+
+
 def test_verdicts_and_warnings_are_shown(tmp_path: Path) -> None:
     rows = make_rows("good", [True] * 10) + make_rows("bad", [False] * 10)
     broken = make_row(

@@ -2,7 +2,7 @@
 
 import pytest
 
-from benchmarks.report.paper import paper_of, paper_results
+from benchmarks.report.paper import method_of, paper_of, paper_results
 from benchmarks.report.summaries import summarise
 from icd_envs.registration import ENV_IDS
 from tests.bench.making import make_rows
@@ -30,6 +30,22 @@ def test_conditions_and_other_tasks_are_not_in_the_paper() -> None:
     assert paper_of("ICDCableRouting-v0", "action noise") == {}
     assert paper_of("ICDNotebookFoldingAdaptation-v0") == {}
     assert set(paper_of("icd_envs:ICDCableRoutingAdaptation-v0")) == {"icd", "subgoal-diffuser"}
+
+
+@pytest.mark.parametrize(
+    ("agent", "method"),
+    [
+        ("icd", "icd"),
+        ("icd-paper", "icd"),
+        ("ndf-mppi-improved", "ndf-mppi"),
+        ("icd-local", "icd-local"),
+        ("my-paper-agent", "my-paper-agent"),
+    ],
+)
+def test_the_papers_numbers_stand_beside_every_way_to_run_its_method(
+    agent: str, method: str
+) -> None:
+    assert method_of(agent) == method
 
 
 def test_p_against_the_paper_is_fishers() -> None:

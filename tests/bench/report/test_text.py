@@ -57,6 +57,11 @@ def test_papers_numbers_are_in_the_last_column(tmp_path: Path) -> None:
     assert "90 / 95 \\\\" in to_latex(collect([folder]))
 
 
+def test_papers_numbers_stand_beside_its_settings_too(tmp_path: Path) -> None:
+    folder = save(tmp_path, make_rows("icd-paper", [True], env="ICDCableRouting-v0"))
+    assert to_markdown(collect([folder])).count("| 90 / 95 |") == 1
+
+
 def test_no_rows_are_n_a(tmp_path: Path) -> None:
     collected = collect([save(tmp_path, [])])
     assert "| a | observations | 0/0 n/a | n/a | n/a | n/a | 0 |" in to_markdown(collected)
