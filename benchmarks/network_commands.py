@@ -116,6 +116,7 @@ def train_latent(
     steps: Steps = 4000,
     episodes: Episodes = 1500,
     seed: Seed = 0,
+    decoder_width: Annotated[int, typer.Option(min=1, help="Of its outermost hidden layers.")] = 64,
     as_json: AsJson = False,
 ) -> None:
     """Train the autoencoder of object states and the prediction of steps between them."""
@@ -123,7 +124,7 @@ def train_latent(
         from benchmarks.train_latent import latent
 
         order = TrainingOrder(env, data, out, device, steps, episodes, seed)
-        say(latent(order, field=field), as_json)
+        say(latent(order, field=field, decoder_width=decoder_width), as_json)
 
 
 @GROUPS["train"].command("diffusion")

@@ -19,16 +19,23 @@ from icd_agent.training.config import TrainingConfig
 from icd_agent.training.loop import Trained
 
 
-def fit_latent(described: Described, order: TrainingOrder) -> Trained:
+def fit_latent(
+    described: Described,
+    order: TrainingOrder,
+    *,
+    decoder_width: int = LatentConfig.decoder_width,
+) -> Trained:
     """Train an autoencoder of described states, showing progress.
 
     Args:
         described: the states.
         order: how long, and where to.
+        decoder_width: see ``LatentConfig``.
     """
     states, about = described
     points, features = states.features.shape[1:]
-    config = LatentConfig(features, states.tokens.features.shape[-1], points)
+    scene_features = states.tokens.features.shape[-1]
+    config = LatentConfig(features, scene_features, points, decoder_width=decoder_width)
     settings = TrainingConfig(steps=order.steps, learning_rate=1e-3, seed=order.seed)
     with training(f"latents of {order.env_id}", order.steps) as seen:
         return train_latent(

@@ -14,12 +14,13 @@ from icd_agent.training.device import check_device
 from icd_agent.training.loop import Trained
 
 
-def latent(order: TrainingOrder, *, field: Path | None) -> Values:
+def latent(order: TrainingOrder, *, field: Path | None, decoder_width: int) -> Values:
     """Describe recorded states, train the autoencoder on them, save.
 
     Args:
         order: what to train on, and where to.
         field: folder of the field; None is the package's.
+        decoder_width: see ``LatentConfig``.
 
     Returns:
         Names and values for the user.
@@ -29,7 +30,7 @@ def latent(order: TrainingOrder, *, field: Path | None) -> Values:
     """
     check_device(order.device)
     described = describe(order.env_id, order.data, field, order.episodes, order.split)
-    trained = fit_latent(described, order)
+    trained = fit_latent(described, order, decoder_width=decoder_width)
     return _values(order, trained, described.about)
 
 

@@ -248,13 +248,14 @@ def test_latents_and_chains_are_trained_on_one_another(data: Path, trained: Trai
     assert json.loads((kept[0] / "states.json").read_text())["done"] == 2
 
 
-def test_data_may_be_the_working_directory(
+def test_data_may_be_the_working_directory_and_the_decoder_wider(
     data: Path, weights: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(data)
     command = ("train", "latent", "--env", CABLE, "--data", ".", "--field", weights)
-    trained = icd_bench(*command, "--steps", 2, "--out", tmp_path)
+    trained = icd_bench(*command, "--steps", 2, "--decoder-width", 24, "--out", tmp_path)
     assert trained.exit_code == 0, trained.stderr
+    assert json.loads((tmp_path / "config.json").read_text())["config"]["decoder_width"] == 24
 
 
 def test_latents_are_diagnosed_on_unseen_states(weights: Path, trained: Trained) -> None:
