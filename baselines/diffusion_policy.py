@@ -1,7 +1,7 @@
 """Diffusion Policy (Chi et al., RSS 2023), goal-conditioned, on key points.
 
-As the paper adapts it (section V-B): object and goal as key points, the scene as the encoder of
-the descriptor field has it.
+As the paper adapts it (section V-B): object and goal as key points; the scene by what the field
+describes, where the paper takes features of the field's encoder.
 """
 
 from __future__ import annotations

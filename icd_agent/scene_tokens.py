@@ -56,7 +56,10 @@ class Frame(NamedTuple):
 
 
 class SceneTokens(NamedTuple):
-    """E_s(P_s) of the paper: one feature per point, of one scene or of many (leading axes).
+    """Where the paper has E_s(P_s): one feature per point, of one scene or of many (leading axes).
+
+    Not features of the field's encoder, as there, but the descriptors that the field has at these
+    places.
 
     Attributes:
         places: (..., A, 3) float32 [m] on surfaces of fixtures, spread out, then on a lattice

@@ -13,8 +13,8 @@ class FieldConfig:
     """Sizes of the network.
 
     Attributes:
-        scope: ``local``: a query gathers the anchors around it (the paper's field). ``global``:
-            one code for the whole scene (the paper's baseline Global NDF).
+        scope: ``local``: a query gathers the anchors around it (the paper's field) and looks out at
+            others (ours). ``global``: one code for the whole scene (the baseline Global NDF).
         anchors: points of the scene that carry features, spread over its surface.
         anchor_neighbours: scene points that an anchor's features come from.
         graph_neighbours: anchors that an anchor exchanges features with.

@@ -41,8 +41,8 @@ def squared_distance(points: FloatArray, subgoals: FloatArray) -> FloatArray:
 def nearest_subgoal_cost(distances: FloatArray) -> Float64Array:
     """Sum over time of the squared distance to the nearest of the subgoals given.
 
-    Section "Tracking subgoals with MPPI" of the paper: sum_t min_l d(s_t, g_l). Which subgoals
-    take part (all that remain, or a window of the next few) is the caller's choice.
+    Section "MPPI with Neural Contact Subgoals" of the paper: sum_t min_l d(s_t, g_l). Which
+    subgoals take part (all that remain, or a window of the next few) is the caller's choice.
 
     Args:
         distances: (K, H, L) from ``squared_distance``.

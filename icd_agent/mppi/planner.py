@@ -2,7 +2,7 @@
 
 Source: Williams et al. 2017, "Information Theoretic MPC for Model-Based Reinforcement Learning",
 algorithm 2, with the sign and clipping conventions of the pytorch_mppi package; section
-"Tracking subgoals with MPPI" of the paper.
+"MPPI with Neural Contact Subgoals" of the paper.
 """
 
 from __future__ import annotations

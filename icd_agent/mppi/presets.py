@@ -13,7 +13,7 @@ from icd_envs.errors import InvalidOptionError, unknown_name
 PAPER: Final = MPPIConfig(
     samples=80, horizon=10, variance=0.001, temperature=0.005, noise="white", control_cost=True
 )
-"""The paper's section on tracking: K = 80, H = 10, noise 0.001, temperature 0.005."""
+"""The paper's section V-B: K = 80, H = 10, noise 0.001, temperature 0.005."""
 
 ADAPTIVE: Final = replace(PAPER, temperature="adaptive", control_cost=False)
 """The same for costs of any scale, such as distances between descriptors: the paper gives one
