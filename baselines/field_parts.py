@@ -14,7 +14,6 @@ from icd_agent.diffusion.generate import Generator
 from icd_agent.field.encoder import SceneCode
 from icd_agent.field.field import FieldOutput, SceneField
 from icd_agent.field.space import FieldSpace
-from icd_agent.mppi.presets import preset
 from icd_agent.networks import load_shipped
 from icd_agent.presets import PRESETS, best_preset
 from icd_agent.tracking import SubgoalTracker
@@ -87,4 +86,4 @@ def _follow_in(env_id: str, make_space: Callable[[SceneField], CostSpace]) -> Su
     encoded_in = FieldSpace(networks.encoded)
     source = DiffusedSource(networks.encoded, networks.latent, generator, encoded_in=encoded_in)
     space = make_space(networks.field)
-    return SubgoalTracker(source, space, preset(settings.mppi), settings.tracker)
+    return SubgoalTracker(source, space, settings.mppi, settings.tracker)

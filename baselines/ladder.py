@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from icd_agent.chain import Placed, PointSpace, Subgoals, SubgoalSource
-from icd_agent.mppi.presets import preset
+from icd_agent.mppi.presets import ADAPTIVE, PAPER
 from icd_agent.tracking import SubgoalTracker, TrackerConfig
 from icd_agent.weights import (
     GLOBAL_FIELD,
@@ -79,7 +79,7 @@ class OracleSource:
 
 def make_oracle_points() -> SubgoalTracker:
     """Build rung 1: oracle subgoals, distances in points; what fails here is the tracking."""
-    return SubgoalTracker(OracleSource(), PointSpace(), preset("paper"), ONE_AT_A_TIME)
+    return SubgoalTracker(OracleSource(), PointSpace(), PAPER, ONE_AT_A_TIME)
 
 
 def make_transferred_points() -> SubgoalTracker:
@@ -87,7 +87,7 @@ def make_transferred_points() -> SubgoalTracker:
 
     It knows where everything was, so what it lacks is that contacts matter, not places.
     """
-    return SubgoalTracker(OracleSource("goal"), PointSpace(), preset("paper"), ONE_AT_A_TIME)
+    return SubgoalTracker(OracleSource("goal"), PointSpace(), PAPER, ONE_AT_A_TIME)
 
 
 def make_oracle_descriptors(env_id: str) -> SubgoalTracker:
@@ -157,7 +157,7 @@ def _track_as_icd(source: SubgoalSource, field: SceneField, env_id: str) -> Subg
 
     settings = PRESETS[best_preset(env_id)]
     config = replace(settings.tracker, replan_every=None)
-    return SubgoalTracker(source, FieldSpace(field), preset(settings.mppi), config)
+    return SubgoalTracker(source, FieldSpace(field), settings.mppi, config)
 
 
 def _track_descriptors(
@@ -167,4 +167,4 @@ def _track_descriptors(
 
     space = FieldSpace.shipped(env_id, field)
     config = WITH_CARE if weights_name(env_id) == "notebook-folding" else BY_CONTACT
-    return SubgoalTracker(source, space, preset("adaptive"), config)
+    return SubgoalTracker(source, space, ADAPTIVE, config)

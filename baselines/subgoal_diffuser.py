@@ -20,7 +20,7 @@ from icd_agent.field.train import KIND as FIELD
 from icd_agent.field.train import load_field
 from icd_agent.latent.train import KIND as LATENT
 from icd_agent.latent.train import load_latent
-from icd_agent.mppi.presets import preset
+from icd_agent.mppi.presets import PAPER
 from icd_agent.networks import check_chains
 from icd_agent.presets import PRESETS, best_preset
 from icd_agent.scene_points import ScenePoints
@@ -56,7 +56,7 @@ def compose(env_id: str, folder: Path, settings: str) -> SubgoalTracker:
     """
     chosen = PRESETS[settings]
     source, space = chains_of_places(env_id, folder, chosen.chain)
-    planner = preset("paper" if settings == "paper" else chosen.mppi)
+    planner = PAPER if settings == "paper" else chosen.mppi
     return SubgoalTracker(source, space, planner, chosen.tracker)
 
 

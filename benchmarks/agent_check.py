@@ -11,6 +11,7 @@ import gymnasium as gym
 import numpy as np
 
 from benchmarks.attempt import Settings
+from benchmarks.beginning import episode_for
 from benchmarks.conditions import TaskSpec, make_env
 from benchmarks.errors import reason
 from benchmarks.executors import Executor, Work
@@ -114,11 +115,7 @@ class _Trial:
     def _play(self, agent: Agent, seed: int) -> list[Any]:
         """Play a few steps and return the actions."""
         observation, _ = self._env.reset(seed=seed)
-        episode = self._env.get_wrapper_attr("episode")(
-            simulator=bool(getattr(agent, "needs_simulator", False)),
-            oracle=bool(getattr(agent, "needs_oracle", False)),
-            threads=self._settings.threads,
-        )
+        episode = episode_for(self._env, agent, self._settings.threads)
         with self._trying(RESET):
             agent.reset(episode, seed)
         actions: list[Any] = []

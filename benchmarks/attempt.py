@@ -61,7 +61,7 @@ class Settings:
 
     def __post_init__(self) -> None:
         """Refuse budgets that nothing could keep."""
-        for name in ("act_seconds", "episode_seconds"):
+        for name in ("act_seconds", "episode_seconds", "render_seconds"):
             value = getattr(self, name)
             if not 0.0 < value < math.inf:
                 raise InvalidOptionError(f"{name} must be positive and finite, got {value!r}")

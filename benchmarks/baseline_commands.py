@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from benchmarks.console import AsJson, errors_in_one_line
+from benchmarks.console import AsJson, errors_in_one_line, say
 from benchmarks.network_commands import (
     AS_SHIPPED,
     Data,
@@ -19,7 +19,6 @@ from benchmarks.network_commands import (
     Out,
     Seed,
     Steps,
-    say,
 )
 from benchmarks.training_order import TrainingOrder
 

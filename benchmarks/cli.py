@@ -9,9 +9,8 @@ from __future__ import annotations
 import json
 import sys
 from contextlib import redirect_stdout
-from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 import typer
 
@@ -23,13 +22,11 @@ from benchmarks.console import (
     TaskOptions,
     TrustPickle,
     errors_in_one_line,
+    exit_if,
     import_from_working_directory,
+    say,
     settle_maths_threads,
 )
-
-if TYPE_CHECKING:
-    from benchmarks.interrupts import Interrupt
-    from benchmarks.videos import Choice
 
 main = typer.Typer(
     help="Run agents on the Implicit Contact Diffuser tasks and print honest tables.",
@@ -63,12 +60,8 @@ ActSeconds = Annotated[float, typer.Option(help="Time that one act may take.")]
 Device = Annotated[str, typer.Option(help="Given to agents that ask for one.")]
 
 
-class Videos(StrEnum):
-    """Which videos are made, or shown by a page."""
-
-    first = "first"
-    failures = "failures"
-    all = "all"
+Videos = Literal["first", "failures", "all"]
+"""Which videos are made, or shown by a page."""
 
 
 @main.command(name="list")
@@ -160,10 +153,9 @@ def run(
             raise InvalidOptionError("to resume needs --out: name the folder to go on with")
         crew = make_executor(executor, workers=workers, threads=threads, address=address)
         settings = Settings(crew.threads, act_seconds, episode_seconds, device, trust_pickle)
-        filmed: Choice | None = videos.value if videos else None
         with interruptible() as interrupt, redirect_stdout(sys.stderr):
-            record = look_first(plan, crew, settings, filmed)
-        _exit_if(interrupt)
+            record = look_first(plan, crew, settings, videos)
+        exit_if(interrupt)
         folder = out or results.new_folder(Path("runs"))
         typer.echo(f"results: {folder}", err=True)
         with interruptible() as interrupt, redirect_stdout(sys.stderr):
@@ -173,7 +165,7 @@ def run(
                 runner.episodes(settings),
                 crew,
                 settings=record,
-                videos=filmed,
+                videos=videos,
                 resume=resume or retry_errors,
                 allow_mixed=allow_mixed,
                 retry_errors=retry_errors,
@@ -209,7 +201,7 @@ def check_agent(
 
         check_env_id(env)
         executor = Local()
-        settings = Settings(executor.threads, act_seconds, 3600.0, device, trust_pickle)
+        settings = Settings(executor.threads, act_seconds, device=device, trust_pickle=trust_pickle)
         findings = agent_check.check_agent(agent, env, executor, settings)
     if as_json:
         typer.echo(json.dumps(dict(findings)))
@@ -227,7 +219,7 @@ def report(
     latex: Annotated[bool, typer.Option("--latex", help="Print LaTeX tables.")] = False,
     html: Annotated[Path | None, typer.Option(help="File for a page with everything.")] = None,
     csv: Annotated[Path | None, typer.Option(help="File for all rows.")] = None,
-    videos: Annotated[Videos, typer.Option(help="Videos that the page shows.")] = Videos.all,
+    videos: Annotated[Videos, typer.Option(help="Videos that the page shows.")] = "all",
     video_megabytes: Annotated[
         float, typer.Option(min=0, help="Most of them that the page may hold.")
     ] = 25.0,
@@ -241,9 +233,7 @@ def report(
     with errors_in_one_line():
         from benchmarks.report_command import report as print_report
 
-        print_report(
-            folders, form, html=html, csv=csv, videos=videos.value, megabytes=video_megabytes
-        )
+        print_report(folders, form, html=html, csv=csv, videos=videos, megabytes=video_megabytes)
 
 
 @main.command()
@@ -274,7 +264,7 @@ def gates(
             verdicts = run_gates(
                 env, chosen, folder, executor, resume=resume, watch=progress.watching
             )
-        _exit_if(interrupt)
+        exit_if(interrupt)
     if as_json:
         typer.echo(json.dumps({name: verdict.record() for name, verdict in verdicts.items()}))
     else:
@@ -308,7 +298,6 @@ def collect(
         from benchmarks import collect_command, progress
         from benchmarks.executors import make_executor
         from benchmarks.interrupts import interruptible
-        from benchmarks.tables import print_values
 
         crew = make_executor(executor, workers=workers, threads=1, address=address)
         with interruptible() as interrupt, redirect_stdout(sys.stderr):
@@ -322,11 +311,8 @@ def collect(
                 minari=minari,
                 watch=progress.watching,
             )
-        _exit_if(interrupt)
-    if as_json:
-        typer.echo(json.dumps(values))
-    else:
-        print_values(values)
+        exit_if(interrupt)
+        say(values, as_json)
 
 
 @main.command(name="export-scene")
@@ -340,13 +326,8 @@ def export_scene(
     """Write a scene at its start as a mesh file (glTF) for papers, slides and web pages."""
     with errors_in_one_line():
         from benchmarks import export_command
-        from benchmarks.tables import print_values
 
-        values = export_command.export_scene(env, out, seed=seed, split=split)
-    if as_json:
-        typer.echo(json.dumps(values))
-    else:
-        print_values(values)
+        say(export_command.export_scene(env, out, seed=seed, split=split), as_json)
 
 
 @main.command()
@@ -385,16 +366,5 @@ def perf(
     """Measure physics and planner on this machine."""
     with errors_in_one_line():
         from benchmarks.perf.report import measure
-        from benchmarks.tables import print_mapping
 
-        values = measure(repeats)
-    if as_json:
-        typer.echo(json.dumps(values))
-    else:
-        print_mapping(values)
-
-
-def _exit_if(interrupt: Interrupt) -> None:
-    if interrupt.number:
-        typer.echo("interrupted; the same command goes on", err=True)
-        raise typer.Exit(interrupt.exit_code)
+        say(measure(repeats), as_json)

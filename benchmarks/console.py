@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import json
 import os
 import sys
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+if TYPE_CHECKING:
+    from benchmarks.interrupts import Interrupt
 
 FINE, FAILED_EPISODES, USAGE, INCOMPATIBLE = 0, 1, 2, 3
 
@@ -28,6 +32,13 @@ TaskOptions = Annotated[
 ]
 
 
+def exit_if(interrupt: Interrupt) -> None:
+    """Exit if a signal came to a command that goes on where it was."""
+    if interrupt.number:
+        typer.echo("interrupted; the same command goes on", err=True)
+        raise typer.Exit(interrupt.exit_code)
+
+
 @contextmanager
 def errors_in_one_line() -> Iterator[None]:
     """Say what our errors and warnings say, without a traceback, and exit as documented."""
@@ -41,6 +52,16 @@ def errors_in_one_line() -> Iterator[None]:
         typer.echo(f"icd-bench: {' '.join(str(error).split())}", err=True)
         code = INCOMPATIBLE if isinstance(error, IncompatibleResultsError) else USAGE
         raise typer.Exit(code) from None
+
+
+def say(values: Mapping[str, int | float | str | None], as_json: bool) -> None:
+    """Print what a command found."""
+    if as_json:
+        typer.echo(json.dumps(dict(values)))
+        return
+    from benchmarks.tables import print_values
+
+    print_values(values)
 
 
 def settle_maths_threads(workers: int | None) -> None:

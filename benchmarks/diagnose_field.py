@@ -21,7 +21,7 @@ from icd_agent.field.space import exact_features
 from icd_agent.field.supervision import above_floor, supervise
 from icd_agent.mppi.costs import nearest_subgoal_cost, squared_distance
 from icd_agent.mppi.planner import MPPI
-from icd_agent.mppi.presets import preset
+from icd_agent.mppi.presets import ADAPTIVE
 from icd_envs.api import Float32Array, FloatArray, Observation, Oracle
 from icd_envs.geometry.sdf import BoxUnion
 from icd_envs.tasks.env import ContactEnv
@@ -168,7 +168,7 @@ def _ranking(
         env.step(action)
     episode = env.episode(simulator=True)
     assert episode.simulator is not None
-    actions = MPPI(preset("adaptive"), episode.action_scale).sample(rng)
+    actions = MPPI(ADAPTIVE, episode.action_scale).sample(rng)
     rollout = episode.simulator.rollout(episode.simulator.snapshot(), actions)
     subgoal = exact(oracle.points[None, min(half + AHEAD, len(oracle.points) - 1)])
     costs = [

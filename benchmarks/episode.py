@@ -12,15 +12,15 @@ from typing import Any
 import numpy as np
 
 from benchmarks.attempt import Attempt, Played, Settings
+from benchmarks.beginning import begin, episode_for, privileges
 from benchmarks.conditions import TaskSpec, make_env
 from benchmarks.errors import ResultsWarning, reason
 from benchmarks.filming import Camera, Env, in_pictures
-from benchmarks.generators import seed_global_generators
 from benchmarks.plan import Job
 from benchmarks.pulse import Pulse
 from benchmarks.registry import Offer, make_agent
 from benchmarks.rows import Row, error_row
-from icd_envs.api import Agent, Episode
+from icd_envs.api import Agent
 
 
 @dataclass
@@ -132,18 +132,13 @@ def _play(env: Env, job: Job, settings: Settings, pulse: Pulse, tally: _Tally) -
     """Act until the episode ends and return its last info."""
     pulse.doing = "making the agent"
     agent = _kept.agent(job.agent, Offer(job.env, settings.device, settings.trust_pickle))
-    simulator = bool(getattr(agent, "needs_simulator", False))
-    oracle = bool(getattr(agent, "needs_oracle", False))
-    asked = {"simulator": simulator, "oracle": oracle}
-    tally.privileged = "+".join(name for name, given in asked.items() if given)
+    tally.privileged = "+".join(name for name, asked in privileges(agent).items() if asked)
 
     pulse.doing = "resetting the environment"
     observation, _ = env.reset(seed=job.seed)
-    begin_episode = env.get_wrapper_attr("episode")
-    episode: Episode = begin_episode(simulator=simulator, oracle=oracle, threads=settings.threads)
+    episode = episode_for(env, agent, settings.threads)
     pulse.doing = "resetting the agent"
-    seed_global_generators(job.agent_seed)
-    agent.reset(episode, job.agent_seed)
+    begin(agent, episode, job.agent_seed)
 
     for _ in range(episode.max_steps):
         given = {name: np.array(value) for name, value in observation.items()}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import platform
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
@@ -108,8 +109,8 @@ def describe(plan: Plan, settings: Mapping[str, str | float] | None = None) -> M
         code=provenance.code_fingerprint(),
         commit=commit,
         dirty=dirty,
-        python=provenance.python_version(),
-        platform=provenance.platform_name(),
+        python=platform.python_version(),
+        platform=platform.platform(),
         cpu_count=provenance.cpu_count(),
         cpu_model=provenance.cpu_model(),
         created=now,

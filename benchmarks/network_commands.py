@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Annotated, Final, Literal
 
@@ -12,9 +11,9 @@ from benchmarks.console import (
     AsJson,
     TaskOptions,
     TrustPickle,
-    Values,
     errors_in_one_line,
     import_from_working_directory,
+    say,
 )
 from benchmarks.training_order import TrainingOrder
 
@@ -290,13 +289,3 @@ def render_episode(
         from benchmarks.render_episode import render
 
         render(agent, env, out, seed=seed, options=options or (), trust_pickle=trust_pickle)
-
-
-def say(values: Values, as_json: bool) -> None:
-    """Print what a command found."""
-    if as_json:
-        typer.echo(json.dumps(values))
-        return
-    from benchmarks.tables import print_values
-
-    print_values(values)

@@ -29,7 +29,7 @@ _PACKAGES = (
 _FINGERPRINTED = ("icd_envs", "icd_agent", "baselines")
 _OURS = (*_FINGERPRINTED, "benchmarks")
 _MISSING = "not installed"
-_SUFFIXES = (".py", ".json", ".safetensors", ".xml")
+_SUFFIXES = (".py", ".json", ".safetensors")
 WEIGHT_FILES = ("config.json", "model.safetensors")
 """Of a trained network."""
 
@@ -39,16 +39,6 @@ def cpu_count() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
-
-
-def python_version() -> str:
-    """Version of the interpreter."""
-    return platform.python_version()
-
-
-def platform_name() -> str:
-    """Operating system and architecture."""
-    return platform.platform()
 
 
 def package_versions(names: Sequence[str] = _PACKAGES) -> dict[str, str]:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.beginning import begin, episode_for
 from benchmarks.conditions import Condition, TaskSpec, make_env, parse_options
 from benchmarks.errors import blaming
 from benchmarks.figures import new_figure, save_figure
@@ -95,11 +96,7 @@ def render(
 
 def _play(env: ContactEnv[Any], agent: Agent, seed: int) -> Played:
     observation, info = env.reset(seed=seed)
-    episode = env.episode(
-        simulator=getattr(agent, "needs_simulator", False),
-        oracle=getattr(agent, "needs_oracle", False),
-    )
-    agent.reset(episode, seed)
+    begin(agent, episode_for(env, agent), seed)
     states, rates, over = [env.snapshot()], [float(info["complete_rate"])], False
     while not over:
         action = np.asarray(agent.act(observation))

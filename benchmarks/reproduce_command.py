@@ -16,6 +16,7 @@ from benchmarks.console import (
     AsJson,
     TrustPickle,
     errors_in_one_line,
+    exit_if,
     import_from_working_directory,
     settle_maths_threads,
 )
@@ -55,8 +56,10 @@ def reproduce(
         settings = before.settings(crew.threads, device, trust_pickle=trust_pickle)
         with interruptible() as interrupt, redirect_stdout(sys.stderr):
             told = look_first(before.plan, crew, settings, None)
-            results_folder = out or results.new_folder(Path("runs"))
-            typer.echo(f"results: {results_folder}", err=True)
+        exit_if(interrupt)
+        results_folder = out or results.new_folder(Path("runs"))
+        typer.echo(f"results: {results_folder}", err=True)
+        with interruptible() as interrupt, redirect_stdout(sys.stderr):
             found = runner.run(
                 before.plan,
                 results_folder,

@@ -10,7 +10,6 @@ from rich.table import Table
 from rich.text import Text
 
 from benchmarks.conditions import task_title
-from benchmarks.console import Values
 from benchmarks.gates import Gate, Verdict
 from benchmarks.report.summaries import Summary
 from benchmarks.reproduce import Pair, verdict_on
@@ -101,18 +100,7 @@ def _ending(row: Row) -> str:
     return f"{'success' if row.success else 'failure'}, {row.steps} steps"
 
 
-def print_mapping(values: Mapping[str, float | str]) -> None:
-    """Print names and values on stdout."""
-    print_rows(
-        ("measure", "value"),
-        [
-            (name, value if isinstance(value, str) else f"{value:.4g}")
-            for name, value in values.items()
-        ],
-    )
-
-
-def print_values(values: Values) -> None:
+def print_values(values: Mapping[str, int | float | str | None]) -> None:
     """Print names and values on stdout, every digit of integers."""
     print_rows(
         ("what", "value"),

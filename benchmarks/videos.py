@@ -6,7 +6,7 @@ import re
 import zlib
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Final, Literal, get_args
+from typing import Final, Literal
 
 from benchmarks.errors import ResultsError
 from benchmarks.plan import JobKey
@@ -16,7 +16,6 @@ from icd_agent.replacing import write_atomically
 FOLDER_NAME: Final = "videos"
 
 Choice = Literal["first", "failures", "all"]
-CHOICES: Final[tuple[Choice, ...]] = get_args(Choice)
 
 
 def video_path(folder: Path, key: JobKey) -> Path:

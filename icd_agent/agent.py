@@ -12,7 +12,6 @@ from icd_agent.chain import WithPlaces
 from icd_agent.diffused import DiffusedSource
 from icd_agent.diffusion.generate import Generator
 from icd_agent.field.space import ExactFieldSpace, FieldSpace
-from icd_agent.mppi.presets import preset as mppi_preset
 from icd_agent.networks import (
     WHOLE,
     Networks,
@@ -89,7 +88,7 @@ class ICDAgent:
         self.tracker = SubgoalTracker(
             DiffusedSource(networks.encoded, networks.latent, generator, encoded_in=encoded_in),
             WithPlaces(space, settings.places) if settings.places else space,
-            mppi_preset(settings.mppi),
+            settings.mppi,
             settings.tracker,
         )
         self._ready = False

@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import Final, NamedTuple
 
 from icd_agent.diffusion.config import ChainConfig
+from icd_agent.mppi.planner import MPPIConfig
+from icd_agent.mppi.presets import ADAPTIVE, IMPROVED
 from icd_agent.tracking import TrackerConfig
 from icd_agent.weights import weights_name
 
@@ -13,13 +15,13 @@ class Preset(NamedTuple):
     """A named way to run ICD.
 
     Attributes:
-        mppi: name of the planner's settings.
+        mppi: the planner's settings.
         chain: how chains are generated.
         tracker: how they are followed.
         places: weight of a metre between object states, beside descriptors; 0 is none.
     """
 
-    mppi: str
+    mppi: MPPIConfig
     chain: ChainConfig
     tracker: TrackerConfig
     places: float = 0.0
@@ -31,12 +33,12 @@ _CLOSELY: Final = TrackerConfig(
 
 PRESETS: Final = {
     "paper": Preset(
-        "adaptive",
+        ADAPTIVE,
         ChainConfig(chains=1, ask_field=False, inpaint_goal=True, keep_shorter=False),
         TrackerConfig(replan_every=20),
     ),
-    "improved": Preset("improved", ChainConfig(), _CLOSELY, places=0.2),
-    "careful": Preset("adaptive", ChainConfig(), _CLOSELY, places=0.2),
+    "improved": Preset(IMPROVED, ChainConfig(), _CLOSELY, places=0.2),
+    "careful": Preset(ADAPTIVE, ChainConfig(), _CLOSELY, places=0.2),
 }
 """``paper``: one chain, minimum over all remaining subgoals, the goal in-painted. ``improved``: the
 one of several chains that is most like the others, one subgoal at a time, passed once most of the

@@ -6,7 +6,6 @@ measured on, ratios carry over.
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -21,6 +20,7 @@ from mujoco import rollout
 import icd_envs  # noqa: F401  registers the environments
 from baselines.pc_mppi import make_pc_mppi
 from benchmarks.perf.naive_cable import make_naive
+from benchmarks.provenance import cpu_count
 from icd_agent.diffused import DiffusedSource
 from icd_agent.diffusion.config import ChainConfig
 from icd_agent.diffusion.denoiser import Denoiser
@@ -91,7 +91,7 @@ def _measure_physics(env: ContactEnv[Any], oracle: Oracle, repeats: int) -> dict
 def _measure_planner(
     env: ContactEnv[Any], observation: Observation, repeats: int
 ) -> dict[str, float]:
-    threads = os.cpu_count() or 1
+    threads = cpu_count()
     episode = env.episode(simulator=True, threads=threads)
     assert isinstance(episode.simulator, RolloutSimulator)
     recorder = _Recorder(episode.simulator)

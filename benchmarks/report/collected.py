@@ -154,7 +154,8 @@ def _merge(found: Iterable[Found]) -> list[Found]:
     seen: dict[tuple[str, str, str, int, int], Found] = {}
     for one in found:
         row, other = one.row, seen.setdefault(_episode(one.row), one)
-        if row.status == other.row.status and row.outcome != other.row.outcome:
+        ok = row.status == other.row.status == "ok"
+        if ok and row.outcome != other.row.outcome:
             raise ResultsError(
                 f"{other.folder} and {one.folder} disagree about agent={row.agent!r} "
                 f"env={row.env!r} condition={row.condition!r} seed={row.seed}: report them "

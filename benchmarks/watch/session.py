@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.beginning import begin, episode_for
 from benchmarks.conditions import Condition, Option, TaskSpec, make_env
 from benchmarks.errors import blaming, reason
-from benchmarks.generators import seed_global_generators
 from benchmarks.plan import Job
 from benchmarks.registry import Offer, make_agent
 from benchmarks.suites import episode_seed
-from icd_envs.api import Agent, Episode, Float32Array, FloatArray, Observation, PlanView, Simulator
+from icd_envs.api import Agent, Float32Array, FloatArray, Observation, PlanView, Simulator
 from icd_envs.errors import InvalidOptionError
 from icd_envs.tasks.env import ContactEnv
 
@@ -116,14 +116,13 @@ class Session:
         seed = episode_seed(self._base_seed, self._env_id, episode)
         job = Job(self.agent_name, self._env_id, episode, seed)
         observation, info = self.env.reset(seed=seed)
-        told = self._episode()
+        told = episode_for(self.env, self._agent, self._threads)
         self._simulator: Simulator | None = self.env.episode(simulator=True).simulator
         moment = Moment(
             episode, seed, 0, told.max_steps, observation, info["is_success"], info["complete_rate"]
         )
         try:
-            seed_global_generators(job.agent_seed)
-            self._agent.reset(told, job.agent_seed)
+            begin(self._agent, told, job.agent_seed)
         except (Exception, SystemExit) as error:
             moment = self._broken(moment, error)
         self._moment = moment
@@ -175,13 +174,6 @@ class Session:
         assert self._simulator is not None
         rollout = self._simulator.rollout(self._simulator.snapshot(), actions[None])
         return Future(rollout.gripper[0], rollout.points[0, -1])
-
-    def _episode(self) -> Episode:
-        return self.env.episode(
-            simulator=bool(getattr(self._agent, "needs_simulator", False)),
-            oracle=bool(getattr(self._agent, "needs_oracle", False)),
-            threads=self._threads,
-        )
 
     def _broken(self, moment: Moment, error: BaseException) -> Moment:
         self.errors += 1

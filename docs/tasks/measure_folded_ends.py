@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from benchmarks.beginning import begin, episode_for
 from benchmarks.conditions import DEFAULT, TaskSpec, make_env
 from benchmarks.plan import Job, Plan
 from benchmarks.registry import Offer, make_agent
@@ -39,8 +40,7 @@ class End(NamedTuple):
 def play(env: ContactEnv[NotebookFoldingScene], agent: Agent, job: Job) -> End:
     """Play one episode to its end."""
     observation, info = env.reset(seed=job.seed)
-    needs = {name: getattr(agent, f"needs_{name}", False) for name in ("simulator", "oracle")}
-    agent.reset(env.episode(**needs), job.agent_seed)
+    begin(agent, episode_for(env, agent), job.agent_seed)
     over = False
     while not over:
         observation, _, terminated, truncated, info = env.step(np.asarray(agent.act(observation)))

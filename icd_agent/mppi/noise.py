@@ -50,29 +50,3 @@ def coloured(
     spectrum = np.fft.rfft(rng.standard_normal((samples, period, dim)), axis=1)
     spectrum *= gain[: horizon + 1, None]
     return np.fft.irfft(spectrum, n=period, axis=1)[:, :horizon]
-
-
-def spline(
-    rng: np.random.Generator, samples: int, horizon: int, dim: int, knots: int
-) -> Float64Array:
-    """Draw a few independent knots and join them by straight lines, a spline of degree one.
-
-    Args:
-        rng: source of all randomness.
-        samples: K.
-        horizon: H.
-        dim: A, number of action axes.
-        knots: number of knots, the first at the first step and the last at the last; 1 is
-            a constant.
-
-    Returns:
-        (K, H, A), variance 1.
-    """
-    position = np.linspace(0.0, 1.0, horizon)
-    grid = np.linspace(0.0, 1.0, knots)
-    basis = np.stack([np.interp(position, grid, knot) for knot in np.eye(knots)], axis=1)
-    basis /= np.linalg.norm(basis, axis=1, keepdims=True)
-    values: Float64Array = np.einsum(
-        "hj,kja->kha", basis, rng.standard_normal((samples, knots, dim))
-    )
-    return values

@@ -17,7 +17,7 @@ from icd_agent.mppi import noise
 from icd_agent.options import is_count, is_finite, is_positive, require
 from icd_envs.api import Float64Array, FloatArray
 
-NoiseName = Literal["white", "coloured", "spline"]
+NoiseName = Literal["white", "coloured"]
 Status = Literal["ok", "all rollouts diverged"]
 
 # Adaptive temperature: half of the spread between the best sample and the best 15 %, so that
@@ -39,7 +39,6 @@ class MPPIConfig:
         temperature: in units of the cost, or "adaptive" to follow the spread of the sample costs.
         noise: correlation of the noise in time.
         beta: exponent of "coloured" noise.
-        knots: number of knots of "spline" noise.
         keep_nominal: sample 0 is the shifted previous plan without noise, so that a step never
             loses what the step before found (with a single sample, the plan never changes).
         control_cost: add ``temperature * u^T Sigma^-1 eps``; needs white noise and a fixed
@@ -52,7 +51,6 @@ class MPPIConfig:
     temperature: float | Literal["adaptive"] = 0.005
     noise: NoiseName = "white"
     beta: float = 2.0
-    knots: int = 4
     keep_nominal: bool = True
     control_cost: bool = True
 
@@ -62,7 +60,7 @@ class MPPIConfig:
         Raises:
             InvalidOptionError: naming the field, the value and what would be valid.
         """
-        for field in ("samples", "horizon", "knots"):
+        for field in ("samples", "horizon"):
             value = getattr(self, field)
             require(is_count(value), field, value, "an integer >= 1")
         require(is_positive(self.variance), "variance", self.variance, "a finite number > 0 [m^2]")
@@ -153,8 +151,6 @@ class MPPI:
                 unit = noise.white(rng, samples, horizon, dim)
             case "coloured":
                 unit = noise.coloured(rng, samples, horizon, dim, self.config.beta)
-            case "spline":
-                unit = noise.spline(rng, samples, horizon, dim, self.config.knots)
         if self.config.keep_nominal:
             unit[0] = 0.0
         return np.clip(self._nominal + self.action_std * unit, -1.0, 1.0)

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
-from types import MappingProxyType
 from typing import Final
 
 from icd_agent.mppi.planner import MPPIConfig
-from icd_envs.errors import InvalidOptionError, unknown_name
 
 PAPER: Final = MPPIConfig(
     samples=80, horizon=10, variance=0.001, temperature=0.005, noise="white", control_cost=True
@@ -29,21 +26,3 @@ IMPROVED: Final = MPPIConfig(
     control_cost=False,
 )
 """Same number of rollouts; noise correlated in time reaches two to three times as far."""
-
-PRESETS: Final[Mapping[str, MPPIConfig]] = MappingProxyType(
-    {"paper": PAPER, "adaptive": ADAPTIVE, "improved": IMPROVED}
-)
-
-
-def preset(name: str) -> MPPIConfig:
-    """Look a preset up by name.
-
-    Args:
-        name: "paper", "adaptive" or "improved".
-
-    Raises:
-        InvalidOptionError: for any other name, with the closest known ones.
-    """
-    if name not in PRESETS:
-        raise InvalidOptionError(unknown_name("MPPI preset", name, PRESETS))
-    return PRESETS[name]

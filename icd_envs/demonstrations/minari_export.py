@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
@@ -70,11 +70,7 @@ def check_dataset_id(dataset_id: str) -> Path:
     return path
 
 
-def export(
-    demonstrations: Demonstrations,
-    dataset_id: str,
-    seen: Callable[[RecordedEpisode], None] = lambda episode: None,
-) -> Exported:
+def export(demonstrations: Demonstrations, dataset_id: str) -> Exported:
     """Make a dataset that ``minari.load_dataset`` loads; it is whole, or not there.
 
     Observations, rewards and so on are the environment's; every episode carries the seed with
@@ -83,7 +79,6 @@ def export(
     Args:
         demonstrations: what to export.
         dataset_id: name for Minari, e.g. ``icd/cable-routing/noisy-v0``.
-        seen: is shown every episode once it is done with.
 
     Raises:
         InvalidOptionError: see ``check_dataset_id``.
@@ -121,7 +116,7 @@ def export(
                     "description": f"{header.env_id}, base seed {header.seed}",
                 }
             )
-            storage.update_episodes(_buffers(env, demonstrations, seen))
+            storage.update_episodes(_buffers(env, demonstrations))
             count = int(storage.total_episodes)
             os.rename(Path(temporary, "dataset"), path)
     except OSError as error:
@@ -136,9 +131,7 @@ def _made(folder: Path) -> Path:
     return folder
 
 
-def _buffers(
-    env: gym.Env[Any, Any], demonstrations: Demonstrations, seen: Callable[[RecordedEpisode], None]
-) -> Iterator[EpisodeBuffer]:
+def _buffers(env: gym.Env[Any, Any], demonstrations: Demonstrations) -> Iterator[EpisodeBuffer]:
     from minari.data_collector import EpisodeBuffer
 
     count = 0
@@ -157,7 +150,6 @@ def _buffers(
                 infos={name: [info[name] for info in infos] for name in INFOS},
             )
             count += 1
-        seen(episode)
 
 
 class _Played(NamedTuple):

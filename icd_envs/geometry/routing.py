@@ -12,7 +12,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from icd_envs.api import BoolArray, FloatArray
+from icd_envs.api import FloatArray
 from icd_envs.scenes.clip import THROAT_X, WALL_BACK, WALL_HEIGHT, Clip, throat_height
 
 BEHIND: Final = 0.12
@@ -31,29 +31,6 @@ class Crossing(NamedTuple):
     depth: float
 
 
-class _Passes(NamedTuple):
-    direction: NDArray[np.int64]
-    """(..., F, N-1) +1, -1, or 0 where the plane is not passed."""
-    inside: BoolArray
-    """(..., F, N-1) whether the plane is passed inside the throat."""
-    x: FloatArray
-    """(..., F, N-1) [m] local x of the pass."""
-
-
-def _passes(points: FloatArray, clips: FloatArray) -> _Passes:
-    offset = points[..., None, :, :2] - clips[..., :, None, :2]
-    cos, sin = np.cos(clips[..., 2])[..., None], np.sin(clips[..., 2])[..., None]
-    x = cos * offset[..., 0] + sin * offset[..., 1]
-    y = cos * offset[..., 1] - sin * offset[..., 0]
-    z = np.broadcast_to(points[..., None, :, 2], x.shape)
-    direction = (y[..., 1:] >= 0).astype(np.int64) - (y[..., :-1] >= 0)
-    share = -y[..., :-1] / np.where(direction == 0, 1.0, np.diff(y))
-    x = x[..., :-1] + share * np.diff(x)
-    z = z[..., :-1] + share * np.diff(z)
-    inside = (x >= THROAT_X[0]) & (x <= THROAT_X[1]) & (z >= 0) & (z <= throat_height(x))
-    return _Passes(direction, inside, x)
-
-
 def signed_crossings(points: FloatArray, clips: FloatArray) -> NDArray[np.int64]:
     """Net signed number of passes of a polyline through each clip's throat.
 
@@ -64,11 +41,17 @@ def signed_crossings(points: FloatArray, clips: FloatArray) -> NDArray[np.int64]
     Returns:
         (..., F) integers.
     """
-    if points.ndim == clips.ndim == 2:
-        counts = [sum(one.direction for one in _through(points, clip)) for clip in clips]
-        return np.array(counts, dtype=np.int64)
-    passes = _passes(points, clips)
-    return np.sum(passes.direction * passes.inside, axis=-1)
+    offset = points[..., None, :, :2] - clips[..., :, None, :2]
+    cos, sin = np.cos(clips[..., 2])[..., None], np.sin(clips[..., 2])[..., None]
+    x = cos * offset[..., 0] + sin * offset[..., 1]
+    y = cos * offset[..., 1] - sin * offset[..., 0]
+    z = np.broadcast_to(points[..., None, :, 2], x.shape)
+    direction = (y[..., 1:] >= 0).astype(np.int64) - (y[..., :-1] >= 0)
+    share = -y[..., :-1] / np.where(direction == 0, 1.0, np.diff(y))
+    x = x[..., :-1] + share * np.diff(x)
+    z = z[..., :-1] + share * np.diff(z)
+    inside = (x >= THROAT_X[0]) & (x <= THROAT_X[1]) & (z >= 0) & (z <= throat_height(x))
+    return np.sum(direction * inside, axis=-1)
 
 
 def find_crossing(points: FloatArray, clip: Clip) -> Crossing | None:
@@ -115,7 +98,7 @@ def _through(points: FloatArray, clip: FloatArray) -> list[_Pass]:
 
 
 def _plane_passes(points: FloatArray, clip: FloatArray) -> list[_Pass]:
-    """Passes of one polyline (N, 3) through one clip's plane: as ``_passes``, in a fifth the time.
+    """Passes of one polyline (N, 3) through one clip's plane, 5 times faster than for batches.
 
     Experts and collecting look at every step; few segments pass the plane at all.
     """

@@ -139,6 +139,11 @@ class Plant:
         """(3,) [m/s] gripper velocity now."""
         return self.data.qvel[self.gripper_qvel]
 
+    def motion(self) -> Float32Array:
+        """(6,) what is observed of the gripper: position [m] and velocity [m/s], within bounds."""
+        motion = np.concatenate([self.gripper(), self.gripper_velocity()])
+        return np.asarray(np.clip(motion, -BOUND, BOUND), dtype=np.float32)
+
     def diverged(self) -> bool:
         """Whether the physics blew up since the state was last set."""
         return bool(self.data.warning.number[UNSTABLE].any()) or not bool(

@@ -9,7 +9,6 @@ from typing import Any, Final, Generic, NamedTuple, Protocol, TypeVar
 import numpy as np
 
 from icd_envs.api import BoolArray, Float32Array, Float64Array, FloatArray
-from icd_envs.physics.guard import BOUND
 from icd_envs.physics.plant import Plant
 from icd_envs.scenes.boxes import Box
 
@@ -163,7 +162,7 @@ def run_expert(
     budget = task.max_steps if steps is None else steps
     nodes = [plant.nodes()]
     points = [plant.cloud(nodes[-1])]
-    gripper = [_gripper(plant)]
+    gripper = [plant.motion()]
     solved = [task.solved(points[-1], scene)]
     actions: list[Float32Array] = []
     held = idle = 0
@@ -175,7 +174,7 @@ def run_expert(
         actions.append(action)
         nodes.append(plant.nodes())
         points.append(plant.cloud(nodes[-1]))
-        gripper.append(_gripper(plant))
+        gripper.append(plant.motion())
         solved.append(task.solved(points[-1], scene))
         held = held + 1 if bool(solved[-1].all()) else 0
         idle = idle + 1 if expert.done else 0
@@ -190,8 +189,3 @@ def run_expert(
         0.0 if diverged else float(solved[-1].mean()),
         diverged,
     )
-
-
-def _gripper(plant: Plant) -> Float32Array:
-    motion = np.concatenate([plant.gripper(), plant.gripper_velocity()])
-    return np.asarray(np.clip(motion, -BOUND, BOUND), dtype=np.float32)

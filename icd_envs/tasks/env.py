@@ -39,6 +39,7 @@ from icd_envs.tasks.checks import (
     check_action,
     check_choice,
     check_goals,
+    check_integer,
     check_reset_options,
     check_seed,
     stack_parameters,
@@ -255,15 +256,16 @@ class ContactEnv(gym.Env[Observation, NDArray[np.float32]], Generic[SceneT]):
 
         Raises:
             EpisodeStateError: before ``reset`` or after ``close``.
+            InvalidOptionError: no number of threads.
         """
         problem = self._require_problem("episode")
         handle = None
         if simulator:
-            count = max(1, threads)
-            if count not in self._threads:
-                self._threads[count] = RolloutThreads(problem.plant.model, count)
+            check_integer("threads", threads, 1, 4096)
+            if threads not in self._threads:
+                self._threads[threads] = RolloutThreads(problem.plant.model, threads)
             handle = RolloutSimulator(
-                problem.plant, self.snapshot, self._signed_distance, self._threads[count]
+                problem.plant, self.snapshot, self._signed_distance, self._threads[threads]
             )
         return Episode(
             env_id=self.task.env_id,

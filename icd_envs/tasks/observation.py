@@ -7,7 +7,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from gymnasium import spaces
 
-from icd_envs.api import Float32Array, Float64Array, Observation
+from icd_envs.api import Float32Array, Observation
 from icd_envs.geometry.point_cloud import sample_scene
 from icd_envs.physics.guard import BOUND
 from icd_envs.physics.plant import Plant
@@ -70,9 +70,8 @@ def observe(plant: Plant, goal: Float32Array, clouds: SceneClouds) -> Observatio
         goal: (N, 3) [m] object cloud to reach.
         clouds: of its scenes.
     """
-    motion: Float64Array = np.concatenate([plant.gripper(), plant.gripper_velocity()])
     return {
-        "observation": np.clip(motion, -BOUND, BOUND).astype(np.float32),
+        "observation": plant.motion(),
         "achieved_goal": plant.points(),
         "desired_goal": goal,
         "scene": clouds.scene,

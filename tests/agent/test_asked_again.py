@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from icd_agent.chain import Placed, PointSpace, Subgoals
-from icd_agent.mppi.presets import preset
+from icd_agent.mppi.presets import PAPER
 from icd_agent.tracking import SubgoalTracker, TrackerConfig
 from icd_envs.api import Episode, Observation
 from tests.agent.toy_world import ToyWorld, cloud_at
@@ -42,7 +42,7 @@ class Recorded:
 def asked(acts: int, *, patience: int | None, replan_every: int) -> list[int]:
     source, world = Recorded(), ToyWorld()
     config = TrackerConfig(patience=patience, replan_every=replan_every)
-    tracker = SubgoalTracker(source, PointSpace(), preset("paper"), config)
+    tracker = SubgoalTracker(source, PointSpace(), PAPER, config)
     tracker.reset(world.episode(), 0)
     for source.act in range(1, acts + 1):
         world.step(tracker.act(world.observation()))

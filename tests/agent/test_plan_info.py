@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from icd_agent.chain import Placed, PointSpace, Subgoals
-from icd_agent.mppi.presets import preset
+from icd_agent.mppi.presets import PAPER
 from icd_agent.plan_info import BEST, PlanInfo
 from icd_agent.tracking import SubgoalTracker
 from icd_envs.api import Episode, Observation
@@ -32,7 +32,7 @@ class Source:
 
 def planned(world: ToyWorld, *, drawable: bool = True) -> tuple[SubgoalTracker, PlanInfo]:
     """A tracker after its first step."""
-    tracker = SubgoalTracker(Source(drawable=drawable), PointSpace(), preset("paper"))
+    tracker = SubgoalTracker(Source(drawable=drawable), PointSpace(), PAPER)
     tracker.reset(world.episode(), 0)
     assert tracker.plan_view() is None
     world.step(tracker.act(world.observation()))

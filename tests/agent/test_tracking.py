@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from icd_agent.chain import GoalSource, Placed, PointSpace, Subgoals
-from icd_agent.mppi.presets import preset
+from icd_agent.mppi.presets import PAPER
 from icd_agent.tracking import SubgoalTracker, TrackerConfig
 from icd_envs.api import Agent, Episode, Float64Array, FloatArray, Observation
 from icd_envs.errors import EpisodeStateError, InvalidOptionError
@@ -29,7 +29,7 @@ class Waypoints:
 
 
 def goal_tracker(config: TrackerConfig | None = None) -> SubgoalTracker:
-    return SubgoalTracker(GoalSource(), PointSpace(), preset("paper"), config)
+    return SubgoalTracker(GoalSource(), PointSpace(), PAPER, config)
 
 
 def drive(tracker: SubgoalTracker, world: ToyWorld, steps: int, seed: int = 0) -> Float64Array:
@@ -59,9 +59,7 @@ def test_chain_makes_the_detour_that_the_goal_alone_would_not() -> None:
     detour = [(0.0, 0.1, 0.0), (0.0, 0.2, 0.0), (0.15, 0.2, 0.0), (0.3, 0.2, 0.0), (0.3, 0.1, 0.0)]
     goal = (0.3, 0.0, 0.0)
     source = Waypoints(*detour, goal)
-    tracker = SubgoalTracker(
-        source, PointSpace(), preset("paper"), TrackerConfig(window=1, patience=None)
-    )
+    tracker = SubgoalTracker(source, PointSpace(), PAPER, TrackerConfig(window=1, patience=None))
     path = drive(tracker, ToyWorld(goal=goal), 60)
     reached = [int(np.linalg.norm(path - np.array(p), axis=1).argmin()) for p in (*detour, goal)]
     assert reached == sorted(reached)
@@ -76,7 +74,7 @@ def test_minimum_over_all_takes_the_short_cut_that_a_window_does_not() -> None:
     furthest = {}
     for window in (1, None):
         tracker = SubgoalTracker(
-            Waypoints(*loop), PointSpace(), preset("paper"), TrackerConfig(window=window)
+            Waypoints(*loop), PointSpace(), PAPER, TrackerConfig(window=window)
         )
         furthest[window] = drive(tracker, ToyWorld(goal=loop[-1]), 40)[:, 1].max()
     assert furthest[1] > 0.15
@@ -94,7 +92,7 @@ def test_patience_gives_up_on_a_subgoal_that_cannot_be_reached() -> None:
     source = Waypoints((0.0, 0.3, 0.0), (0.2, 0.0, 0.0))
     for patience, arrives in ((5, True), (None, False)):
         tracker = SubgoalTracker(
-            source, PointSpace(), preset("paper"), TrackerConfig(window=1, patience=patience)
+            source, PointSpace(), PAPER, TrackerConfig(window=1, patience=patience)
         )
         path = drive(tracker, Fenced(), 30)
         assert (closest(path, (0.2, 0.0, 0.0)) < 0.03) == arrives
@@ -226,7 +224,7 @@ def test_a_source_is_asked_again_and_its_answer_followed() -> None:
     there = cloud_at(np.array([(0.0, 0.3, 0.0)]))
     source = Again((0.3, 0.0, 0.0), Subgoals(there, there))
     config = TrackerConfig(patience=None, replan_every=10)
-    tracker = SubgoalTracker(source, PointSpace(), preset("paper"), config)
+    tracker = SubgoalTracker(source, PointSpace(), PAPER, config)
     path = drive(tracker, ToyWorld(), 45)
     assert len(source.asked) == 4
     assert np.linalg.norm(path[-1] - (0.0, 0.3, 0.0)) < 0.02
@@ -235,10 +233,10 @@ def test_a_source_is_asked_again_and_its_answer_followed() -> None:
 
 def test_a_source_that_keeps_its_chain_changes_nothing() -> None:
     config = TrackerConfig(patience=None, replan_every=3)
-    tracker = SubgoalTracker(Again((0.3, 0.0, 0.0), None), PointSpace(), preset("paper"), config)
+    tracker = SubgoalTracker(Again((0.3, 0.0, 0.0), None), PointSpace(), PAPER, config)
     kept = drive(tracker, ToyWorld(), 20)
     tracker = SubgoalTracker(
-        Waypoints((0.3, 0.0, 0.0)), PointSpace(), preset("paper"), TrackerConfig(patience=None)
+        Waypoints((0.3, 0.0, 0.0)), PointSpace(), PAPER, TrackerConfig(patience=None)
     )
     np.testing.assert_array_equal(kept, drive(tracker, ToyWorld(), 20))
 
@@ -246,7 +244,7 @@ def test_a_source_that_keeps_its_chain_changes_nothing() -> None:
 def test_a_source_is_asked_when_patience_runs_out() -> None:
     source = Again((9.0, 0.0, 0.0), None)
     config = TrackerConfig(patience=5, replan_every=1000)
-    drive(SubgoalTracker(source, PointSpace(), preset("paper"), config), ToyWorld(), 20)
+    drive(SubgoalTracker(source, PointSpace(), PAPER, config), ToyWorld(), 20)
     assert source.asked == [None] * 3  # the only subgoal was followed in vain
 
 
@@ -254,14 +252,14 @@ def test_a_source_hears_which_subgoal_is_next_or_that_none_is_left() -> None:
     source = Again((9.0, 0.0, 0.0), None)
     source.positions = np.array([(8.0, 0.0, 0.0), (9.0, 0.0, 0.0)])
     config = TrackerConfig(patience=5, replan_every=4)
-    drive(SubgoalTracker(source, PointSpace(), preset("paper"), config), ToyWorld(), 16)
+    drive(SubgoalTracker(source, PointSpace(), PAPER, config), ToyWorld(), 16)
     assert source.asked == [0, 1, None, None]
 
 
 def test_a_reached_end_is_waited_at_no_longer_than_any_other_subgoal() -> None:
     source = Again((0.0, 0.0, 0.0), None)
     config = TrackerConfig(patience=5, replan_every=1000, threshold=1e3)
-    drive(SubgoalTracker(source, PointSpace(), preset("paper"), config), ToyWorld(), 20)
+    drive(SubgoalTracker(source, PointSpace(), PAPER, config), ToyWorld(), 20)
     assert source.asked == [None] * 3
 
 
@@ -271,7 +269,7 @@ def asked_beside_the_end(threshold: float, *, ends_on_success: bool) -> list[int
     source.positions = np.array([(0.0, 0.0, 0.0), (0.002, 0.0, 0.0)])
     config = TrackerConfig(patience=5, replan_every=1000, threshold=threshold)
     world = ToyWorld(ends_on_success=ends_on_success)
-    drive(SubgoalTracker(source, PointSpace(), preset("paper"), config), world, 20)
+    drive(SubgoalTracker(source, PointSpace(), PAPER, config), world, 20)
     return source.asked
 
 

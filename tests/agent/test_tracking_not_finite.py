@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from icd_agent.chain import GoalSource, Placed
-from icd_agent.mppi.presets import preset
+from icd_agent.mppi.presets import PAPER
 from icd_agent.tracking import SubgoalTracker
 from icd_envs.api import FloatArray, Observation, Rollout, SimState
 from tests.agent.toy_world import ToyWorld
@@ -39,7 +39,7 @@ class Broken(ToyWorld):
 @pytest.mark.parametrize("part", ["points", "gripper"])
 def test_samples_without_places_have_no_weight(part: str, value: float) -> None:
     world = Broken(part, value)
-    tracker = SubgoalTracker(GoalSource(), Forgiving(), preset("paper"))
+    tracker = SubgoalTracker(GoalSource(), Forgiving(), PAPER)
     tracker.reset(world.episode(), seed=0)
     with np.errstate(invalid="ignore"):
         action = tracker.act(world.observation())

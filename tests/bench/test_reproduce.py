@@ -1,6 +1,8 @@
 """icd-bench reproduce: recorded episodes again."""
 
 import json
+import os
+import signal
 from pathlib import Path
 from typing import Any
 
@@ -8,6 +10,7 @@ import pytest
 from click.testing import Result
 from typer.testing import CliRunner
 
+from benchmarks import run_command
 from benchmarks.cli import main
 from benchmarks.manifest import FILE_NAME as MANIFEST_NAME
 from benchmarks.results import ROWS_NAME
@@ -109,6 +112,21 @@ def test_agent_gets_what_it_was_given_and_other_files_of_it_are_told(published: 
     assert [text.partition(" sha")[0] for text in found["changed"]] == [f"{agent}: 'tests"]
     again = json.loads((published.with_name("again") / MANIFEST_NAME).read_text())
     assert again["settings"]["act_seconds"] == 33.0
+
+
+def test_interrupted_while_agents_are_looked_at_it_says_so_and_makes_no_folder(
+    published: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(*_: object) -> None:
+        os.kill(os.getpid(), signal.SIGTERM)
+
+    before = signal.getsignal(signal.SIGTERM)
+    monkeypatch.setattr(run_command, "look_first", interrupted)
+    stopped = icd_bench("reproduce", published, "--out", published.with_name("again"))
+    signal.signal(signal.SIGTERM, before)
+    assert (stopped.exit_code, stopped.exception.__class__) == (143, SystemExit)
+    assert "interrupted; the same command goes on" in stopped.stderr
+    assert not published.with_name("again").exists()
 
 
 def test_nothing_to_reproduce_is_said_in_one_line(tmp_path: Path) -> None:

@@ -66,6 +66,13 @@ def test_linking_number_of_two_rings_is_one_and_of_separate_rings_zero() -> None
     assert linking_number(ring, np.add(through, [0.0, 0.0, 3.0])) == pytest.approx(0.0, abs=1e-9)
 
 
+@settings(max_examples=200, deadline=None)
+@given(SEEDS, CLIPS)
+def test_a_crossing_is_found_where_the_count_is_not_zero(seed: int, clip: Clip) -> None:
+    cable = smooth_cable(seed, clip)
+    assert (find_crossing(cable, clip) is None) == (count(cable, clip) == 0)
+
+
 @settings(max_examples=50, deadline=None)
 @given(SEEDS, CLIPS, ANGLES, METRES, METRES)
 def test_count_does_not_depend_on_the_frame(

@@ -114,6 +114,13 @@ def test_result_counts_and_not_the_error_in_another_folder(tmp_path: Path) -> No
         ]
 
 
+def test_errors_of_one_episode_need_not_agree(tmp_path: Path) -> None:
+    row = make_rows("a", [False])[0]
+    broken = [replace(row, status="error", message="late", steps=steps) for steps in (12, 15)]
+    folders = [save(tmp_path / str(one.steps), [one]) for one in broken]
+    assert [found.status for found in collect(folders).rows] == ["error"]
+
+
 def test_errors_are_counted(tmp_path: Path) -> None:
     broken = replace(make_rows("a", [False])[0], status="error", message="boom")
     folder = save(tmp_path, [broken, *make_rows("b", [True])])
