@@ -6,7 +6,7 @@ import numpy as np
 
 from icd_envs.api import Episode, Float32Array, Observation
 from icd_envs.demonstrations import find_task
-from icd_envs.errors import EpisodeStateError, InvalidOptionError
+from icd_envs.errors import NOT_BEGUN, EpisodeStateError, InvalidOptionError
 from icd_envs.tasks.base import Expert
 
 
@@ -40,6 +40,6 @@ class ExpertAgent:
             EpisodeStateError: before ``reset``.
         """
         if self._expert is None:
-            raise EpisodeStateError("act() before reset(): call reset(episode, seed) first")
+            raise EpisodeStateError(NOT_BEGUN)
         action = self._expert.act(observation["observation"][:3], observation["achieved_goal"])
         return action.astype(np.float32)

@@ -44,18 +44,14 @@ class OracleSource:
 
     needs_oracle = True
 
-    def __init__(
-        self, scene: Literal["present", "goal"] = "present", stride: int = ORACLE_STRIDE
-    ) -> None:
+    def __init__(self, scene: Literal["present", "goal"] = "present") -> None:
         """Choose a solution.
 
         Args:
             scene: the solution of the present scene, or of the one the goal was specified in;
                 they differ in the adaptation tasks only.
-            stride: every so many states.
         """
         self._scene = scene
-        self._stride = stride
 
     def chain(
         self, episode: Episode, observation: Observation, space: Placed, rng: np.random.Generator
@@ -72,7 +68,7 @@ class OracleSource:
                 "build it with oracle=True"
             )
         last = len(oracle.points) - 1
-        clouds = oracle.points[np.unique(np.r_[0 : last : self._stride, last])]
+        clouds = oracle.points[np.unique(np.r_[0:last:ORACLE_STRIDE, last])]
         features = space.here if self._scene == "present" else space.goal
         return Subgoals(features(clouds), clouds)
 

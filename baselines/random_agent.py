@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from icd_envs.api import Episode, Float32Array, Observation
-from icd_envs.errors import EpisodeStateError
+from icd_envs.errors import NOT_BEGUN, EpisodeStateError
 
 
 class RandomAgent:
@@ -26,5 +26,5 @@ class RandomAgent:
             EpisodeStateError: before ``reset``.
         """
         if self._rng is None:
-            raise EpisodeStateError("act() before reset(): call reset(episode, seed) first")
+            raise EpisodeStateError(NOT_BEGUN)
         return self._rng.uniform(-1.0, 1.0, size=3).astype(np.float32)

@@ -19,11 +19,10 @@ from icd_agent.checkpoints import check_task, load_checkpoint, read_about
 from icd_agent.completion import Completion, seen_scene
 from icd_agent.observed import checked
 from icd_agent.options import is_count, require
-from icd_agent.policy.agent import NOT_BEGUN
 from icd_agent.policy.look import evenly
 from icd_agent.weights import SAC_HER, shipped_folder
 from icd_envs.api import Episode, Float32Array, Observation
-from icd_envs.errors import EpisodeStateError
+from icd_envs.errors import NOT_BEGUN, EpisodeStateError
 
 KIND: Final = "actor"
 CLOUDS: Final = ("achieved_goal", "desired_goal", "goal_scene", "scene")

@@ -11,7 +11,6 @@ from icd_agent.checkpoints import save_checkpoint, weights_sha256
 from icd_agent.diffusion.retrieval import KIND, make_bank
 from icd_agent.diffusion.train import encode_states
 from icd_agent.latent.train import load_latent
-from icd_envs.tasks.problem import Split
 
 CHAINS = 300
 
@@ -24,7 +23,6 @@ def bank(
     field: Path | None,
     latent: Path | None,
     episodes: int,
-    split: Split = "train",
 ) -> Values:
     """Describe and encode recorded states, keep chains of them.
 
@@ -35,7 +33,6 @@ def bank(
         field: folder of the field; None is the package's.
         latent: folder of the autoencoder; None is the package's.
         episodes: how many are looked at, at most.
-        split: the scenes that the demonstrations must be of.
 
     Returns:
         Names and values for the user.
@@ -45,7 +42,7 @@ def bank(
     """
     parts = chain_parts(env_id, field, latent)
     network = load_latent(parts.latent)
-    states, about = describe(env_id, data, parts.field, episodes, split)
+    states, about = describe(env_id, data, parts.field, episodes, "train")
     kept = make_bank(states, encode_states(states, network), CHAINS)
     about = {**about, "latent": weights_sha256(parts.latent), "episodes": len(states.success)}
     save_checkpoint(out, KIND, kept, kept.config, {"data": about})

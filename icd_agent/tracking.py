@@ -32,7 +32,7 @@ from icd_envs.api import (
     PlanView,
     Rollout,
 )
-from icd_envs.errors import EpisodeStateError, InvalidOptionError
+from icd_envs.errors import NOT_BEGUN, EpisodeStateError, InvalidOptionError
 
 
 @dataclass(frozen=True)
@@ -163,7 +163,7 @@ class SubgoalTracker:
                 beginning without a point of the scene that is seen.
         """
         if self._episode is None:
-            raise EpisodeStateError("act() before reset(): call reset(episode, seed) first")
+            raise EpisodeStateError(NOT_BEGUN)
         observation = checked(observation, len(self._episode.canonical_cloud))
         chain = self._follow(self._episode, self._completion(observation))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
+from typing import Final
 
 
 class IcdError(Exception):
@@ -28,6 +29,10 @@ class InvalidObservationError(IcdError, ValueError):
 
 class EpisodeStateError(IcdError, RuntimeError):
     """A call out of order: step before reset, after the end of the episode, or after close."""
+
+
+NOT_BEGUN: Final = "act() before reset(): call reset(episode, seed) first"
+"""What an ``EpisodeStateError`` of an agent says."""
 
 
 class NoSceneError(EpisodeStateError, AttributeError):

@@ -24,8 +24,6 @@ LIBRARIES: Final = {"egl": (("EGL",), ("OpenGL", "GL", "GLESv2")), "osmesa": (("
 """What MuJoCo's backends load through PyOpenGL: one library of every group."""
 DISABLED: Final = ("disable", "disabled", "off", "false", "0")
 AUTOMATIC: Final = ("", "enable", "enabled", "on", "true", "1")
-VISIBLE_GROUPS: Final = (1, 1, 1, 1, 0, 0)
-"""Of ``icd_envs.scenes.layers``: what only collides is not shown."""
 
 FIX: Final = (
     "install a software renderer, e.g. on Debian or Ubuntu: apt-get install libegl1 libgl1\n"
@@ -99,6 +97,8 @@ class SceneRenderer:
             RenderingUnavailableError: if OpenGL does not start.
         """
         import mujoco
+
+        from icd_envs.scenes.layers import VISIBLE_GROUPS
 
         self._model = model
         self._camera = camera

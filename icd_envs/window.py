@@ -16,7 +16,8 @@ import numpy as np
 
 from icd_envs.api import FloatArray
 from icd_envs.errors import RenderingUnavailableError
-from icd_envs.rendering import VISIBLE_GROUPS, has_display
+from icd_envs.rendering import has_display
+from icd_envs.scenes.layers import VISIBLE_GROUPS
 
 if TYPE_CHECKING:
     import mujoco

@@ -27,18 +27,15 @@ class Pairs(NamedTuple):
     gap: NDArray[np.int64]
 
 
-def draw_pairs(
-    states: States, count: int, rng: np.random.Generator, rows: NDArray[np.int64] | None = None
-) -> Pairs:
+def draw_pairs(states: States, count: int, rng: np.random.Generator) -> Pairs:
     """Pairs with gaps from a geometric distribution, cut off where the episode ends.
 
     Args:
         states: of recorded episodes.
         count: B.
         rng: source of every draw.
-        rows: where the earlier states are drawn from; None is all.
     """
-    first = rng.integers(len(states.step), size=count) if rows is None else rng.choice(rows, count)
+    first = rng.integers(len(states.step), size=count)
     last = states.first[states.episode[first] + 1] - 1
     gap = rng.geometric(1.0 - DISCOUNT**EVERY, size=count)
     second = np.minimum(first + gap, last)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 import torch
@@ -30,9 +30,7 @@ from icd_agent.policy.policy import KIND, ChunkPolicy, load_policy
 from icd_agent.replacing import current, replacing
 from icd_agent.weights import LOCAL_FIELD, shipped_folder
 from icd_envs.api import Episode, Float32Array, FloatArray, Observation, PlanView
-from icd_envs.errors import EpisodeStateError
-
-NOT_BEGUN: Final = "act() before reset(): call reset(episode, seed) first"
+from icd_envs.errors import NOT_BEGUN, EpisodeStateError
 
 
 class ChunkAgent:

@@ -9,6 +9,7 @@ import numpy as np
 
 from icd_envs.api import BoolArray, FloatArray
 from icd_envs.scenes import layers
+from icd_envs.scenes.layers import VISIBLE_GROUPS
 
 ASPECT: Final = 4 / 3
 """Width to height of the picture."""
@@ -17,8 +18,6 @@ SURFACE: Final = 0.002
 SKIN: Final = 0.02
 """[m] a point inside the object is seen through this much of the object: its material points lie
 on a centre line, which a ray reaches through the radius of 3 to 8 mm, or more at a slant."""
-VISIBLE_GROUPS: Final = np.array([1, 1, 1, 1, 0, 0], dtype=np.uint8)
-"""Floor, fixtures, object and gripper; not the object's spheres for contact with the floor."""
 
 
 class PointCamera:

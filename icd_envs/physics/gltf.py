@@ -15,7 +15,7 @@ from trimesh.visual.color import srgb_to_linear
 
 from icd_envs.api import Float64Array
 from icd_envs.errors import SceneExportError
-from icd_envs.physics.camera import VISIBLE_GROUPS
+from icd_envs.scenes.layers import VISIBLE_GROUPS
 
 Y_UP: Final = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1.0]])
 """World coordinates, z up, to those of glTF, y up."""

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from typing import Final
 
+import numpy as np
+
 Layer = dict[str, int]
 
 CONTACT_MARGIN: Final = 0.002
@@ -24,3 +26,6 @@ SHEET_HELD: Final[Layer] = {"contype": 0, "conaffinity": 1 | 2 | 4, "group": 4}
 SHEET_FREE: Final[Layer] = {"contype": 4, "conaffinity": 0, "group": 2}
 SHEET_VISUAL: Final[Layer] = {"contype": 0, "conaffinity": 0, "group": 2}
 VISUAL: Final[Layer] = {"contype": 0, "conaffinity": 0, "group": 1}
+
+VISIBLE_GROUPS: Final = np.array([1, 1, 1, 1, 0, 0], dtype=np.uint8)
+"""Floor, fixtures, object and gripper; what only collides is not shown."""

@@ -10,12 +10,12 @@ import numpy as np
 from icd_envs.api import Float32Array, Float64Array, FloatArray
 from icd_envs.errors import InvalidOptionError
 from icd_envs.tasks.checks import check_action
+from icd_envs.tasks.partial import SEEN_CLOUDS
 from icd_envs.wrappers.checks import box_parts, check_part, is_finite
 
 ACTION_STREAM: Final = 2
 OBSERVATION_STREAM: Final = 3
 """Spawn keys; scenes of the splits use 0 and 1."""
-SEEN_CLOUDS: Final = ("achieved_goal", "scene")
 
 
 class NoisyActions(gym.Wrapper[Any, FloatArray, Any, FloatArray], gym.utils.RecordConstructorArgs):

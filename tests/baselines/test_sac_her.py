@@ -19,7 +19,7 @@ from icd_agent.weights import SAC_HER, shipped_folder
 from icd_envs.api import Agent
 from icd_envs.errors import CheckpointError, InvalidOptionError, TrainingError
 from icd_envs.wrappers import SubsamplePointCloud
-from tests.bench.test_cli import icd_bench
+from tests.bench.making import icd_bench
 from tests.envs.making import CABLE
 from tests.pickles import MakesFolder
 

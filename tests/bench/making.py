@@ -5,8 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from click.testing import Result
+from typer.testing import CliRunner
+
 from benchmarks import episode
 from benchmarks.attempt import Attempt, Settings
+from benchmarks.cli import main
 from benchmarks.conditions import Condition, TaskSpec
 from benchmarks.executors import Executor, InProcess
 from benchmarks.plan import Job, Plan
@@ -19,6 +23,11 @@ from tests.bench import toy
 
 IN_PROCESS = InProcess()
 LIMITS = Settings(act_seconds=20.0, episode_seconds=60.0)
+
+
+def icd_bench(*arguments: object) -> Result:
+    """What the command line does, in this process."""
+    return CliRunner().invoke(main, [str(argument) for argument in arguments])
 
 
 def make_row(**fields: object) -> Row:

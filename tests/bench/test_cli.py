@@ -9,18 +9,14 @@ from pathlib import Path
 import pytest
 import typer
 from click.testing import Result
-from typer.testing import CliRunner
 
 from benchmarks import gates, registry
 from benchmarks.cli import main
 from benchmarks.manifest import FILE_NAME as MANIFEST_NAME
 from benchmarks.results import ROWS_NAME
 from tests.bench import toy
+from tests.bench.making import icd_bench
 from tests.bench.test_gates import Gate
-
-
-def icd_bench(*arguments: object) -> Result:
-    return CliRunner().invoke(main, [str(argument) for argument in arguments])
 
 
 def run(out: Path, agent: type, *more: object) -> Result:

@@ -21,8 +21,7 @@ from benchmarks.train_field import Scales, scales_of
 from benchmarks.worker import MATH_THREADS, maths_threads
 from icd_envs.errors import InvalidOptionError
 from tests.bench import toy
-from tests.bench.making import in_order
-from tests.bench.test_cli import icd_bench
+from tests.bench.making import icd_bench, in_order
 
 Arguments = dict[str, Any]
 Given = Callable[..., Arguments]

@@ -8,7 +8,7 @@ import pytest
 from benchmarks import collect_command
 from icd_envs.demonstrations import Demonstrations
 from icd_envs.demonstrations.header import read_header
-from tests.bench.test_cli import icd_bench
+from tests.bench.making import icd_bench
 from tests.envs.making import CABLE
 
 COLLECT = ("collect", "--env", CABLE, "--episodes", 2, "--steps", 5)

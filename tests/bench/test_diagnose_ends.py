@@ -10,7 +10,7 @@ import pytest
 from benchmarks import diagnose_ends
 from benchmarks.conditions import TaskSpec, make_env
 from icd_agent.weights import LOCAL, SUBGOAL_DIFFUSER, shipped_folder
-from tests.bench.test_cli import icd_bench
+from tests.bench.making import icd_bench
 from tests.envs.making import CABLE
 
 ADAPTATION = "ICDCableRoutingAdaptation-v0"

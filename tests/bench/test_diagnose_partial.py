@@ -12,7 +12,7 @@ from icd_agent.chain import Placed, Subgoals
 from icd_agent.completion import Completion
 from icd_agent.diffused import DiffusedSource
 from icd_envs.api import Episode, Observation
-from tests.bench.test_cli import icd_bench
+from tests.bench.making import icd_bench
 
 ENV = "ICDCableRoutingAdaptation-v0"
 

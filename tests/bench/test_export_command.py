@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from icd_envs.export import export_glb
-from tests.bench.test_cli import icd_bench
+from tests.bench.making import icd_bench
 from tests.envs.glb import reloaded
 from tests.envs.making import CABLE, make
 

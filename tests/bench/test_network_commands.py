@@ -14,7 +14,7 @@ from PIL import Image
 
 from icd_agent.checkpoints import save_checkpoint
 from tests.agent.field.small import SMALL, small_field
-from tests.bench.test_cli import icd_bench
+from tests.bench.making import icd_bench
 from tests.envs.making import CABLE
 
 DIAGNOSED = {

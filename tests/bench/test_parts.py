@@ -14,7 +14,7 @@ from icd_agent.field.train import load_field
 from icd_agent.weights import LOCAL_FIELD, SUBGOAL_DIFFUSER, shipped_chains, shipped_folder
 from icd_envs.errors import CheckpointError
 from tests.agent.field.small import SMALL, small_field
-from tests.bench.test_cli import icd_bench
+from tests.bench.making import icd_bench
 
 NOTEBOOK = "ICDNotebookFolding-v0"
 PLACES = shipped_folder(NOTEBOOK, SUBGOAL_DIFFUSER) / "latent"

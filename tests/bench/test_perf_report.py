@@ -20,7 +20,7 @@ from icd_envs.physics.plant import SLIDES
 from icd_envs.physics.simulator import FULL, RolloutSimulator
 from icd_envs.scenes.arena import SUBSTEPS
 from icd_envs.tasks.env import ContactEnv
-from tests.bench.test_cli import icd_bench
+from tests.bench.making import icd_bench
 
 FIGURES = {
     "physics_us_per_step",

@@ -7,18 +7,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import Result
-from typer.testing import CliRunner
 
 from benchmarks import run_command
-from benchmarks.cli import main
 from benchmarks.manifest import FILE_NAME as MANIFEST_NAME
 from benchmarks.results import ROWS_NAME
 from tests.bench import toy
-
-
-def icd_bench(*arguments: object) -> Result:
-    return CliRunner().invoke(main, [str(argument) for argument in arguments])
+from tests.bench.making import icd_bench
 
 
 @pytest.fixture

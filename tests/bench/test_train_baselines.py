@@ -19,7 +19,7 @@ from icd_agent.field.train import KIND as FIELD
 from icd_agent.field.train import load_field
 from icd_agent.policy.agent import ChunkAgent
 from icd_envs.errors import CheckpointError
-from tests.bench.test_cli import icd_bench
+from tests.bench.making import icd_bench
 from tests.envs.making import CABLE
 
 MOST_BYTES = 8_000_000

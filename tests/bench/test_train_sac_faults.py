@@ -14,7 +14,7 @@ from benchmarks import train_sac
 from icd_agent.checkpoints import read_about
 from icd_envs.errors import InvalidOptionError, TrainingError
 from tests.baselines.test_sac_her import TINY
-from tests.bench.test_cli import icd_bench
+from tests.bench.making import icd_bench
 from tests.envs.making import CABLE
 
 

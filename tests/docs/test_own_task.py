@@ -16,7 +16,7 @@ import pytest
 
 from benchmarks import diagnose_diffusion
 from benchmarks.registry import Offer, make_agent
-from tests.bench.test_cli import icd_bench
+from tests.bench.making import icd_bench
 from tests.envs.glb import reloaded
 
 PAGE = (Path(__file__).parents[2] / "docs" / "own-task.md").read_text("utf-8")
