@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, Final, Literal
+from typing import Final, Literal
 
 import numpy as np
 
 from baselines.subgoal_diffuser import chains_of_places
-from benchmarks.conditions import Condition, TaskSpec, make_env, parse_options
+from benchmarks.conditions import parse_options
 from benchmarks.console import Values
+from benchmarks.contact_env import contact_env
 from benchmarks.parts import check_places
 from icd_agent.chain import CostSpace
 from icd_agent.completion import Completion
@@ -20,9 +21,7 @@ from icd_agent.field.space import ExactFieldSpace
 from icd_agent.networks import load_networks, load_shipped
 from icd_agent.presets import PRESETS, best_preset
 from icd_agent.weights import SUBGOAL_DIFFUSER, shipped_folder
-from icd_envs.demonstrations import find_task
 from icd_envs.errors import InvalidOptionError
-from icd_envs.tasks.env import ContactEnv
 
 SOLVED = 0.0
 """Reward."""
@@ -64,13 +63,9 @@ def diagnose(
             last subgoal is not generated.
         CheckpointError: missing or damaged weights.
     """
-    find_task(env_id)  # an environment that has none is refused
-    source, space = MAKERS[agent](env_id, weights)
-    told = parse_options(options)
-    env: Any = make_env(TaskSpec(env_id, Condition("diagnosed", told))).unwrapped
-    assert isinstance(env, ContactEnv)
     right, kept = np.zeros((scenes, chains), bool), np.zeros(scenes, bool)
-    try:
+    with contact_env(env_id, parse_options(options)) as env:
+        source, space = MAKERS[agent](env_id, weights)
         for i in range(scenes):
             observation, info = env.reset(seed=seed + i)
             goal, episode = observation["desired_goal"], env.episode()
@@ -88,8 +83,6 @@ def diagnose(
                 end = clouds[-1].astype(np.float32)
                 right[i, j] = env.compute_reward(end, goal, info) == SOLVED
             kept[i] = env.compute_reward(goal, goal, info) == SOLVED
-    finally:
-        env.close()
     return {
         "scenes": scenes,
         "chains": chains,

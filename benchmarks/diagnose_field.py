@@ -15,9 +15,8 @@ from scipy.stats import kendalltau
 from benchmarks.console import Values
 from benchmarks.fields import field_in_test_scenes
 from icd_agent.chain import Features
-from icd_agent.field.baked import BakedField
 from icd_agent.field.field import SceneField
-from icd_agent.field.space import exact_features
+from icd_agent.field.space import FieldSpace, exact_features
 from icd_agent.field.supervision import above_floor, supervise
 from icd_agent.mppi.costs import nearest_subgoal_cost, squared_distance
 from icd_agent.mppi.planner import MPPI
@@ -140,12 +139,10 @@ def _planning(
     env: ContactEnv[Any],
     rng: np.random.Generator,
 ) -> dict[str, float]:
-    scene = observation["scene"]
     before = perf_counter()
-    places = np.concatenate([observation["achieved_goal"], observation["desired_goal"]])
-    baked = BakedField(field, scene, places).features
+    baked = FieldSpace(field).place(observation).here
     seconds = perf_counter() - before
-    exact = exact_features(field, scene)
+    exact = exact_features(field, observation["scene"])
     chain = exact(oracle.points[::AHEAD])
     steps = np.sqrt(np.square(np.diff(chain, axis=0)).sum(-1).mean(-1))
     error = np.sqrt(np.square(baked(oracle.points[::AHEAD]) - chain).sum(-1).mean())

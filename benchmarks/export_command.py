@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import gymnasium as gym
-
 from benchmarks.console import Values
-from icd_envs.demonstrations import find_task
+from benchmarks.contact_env import contact_env
 from icd_envs.export import export_glb
 
 
@@ -26,11 +24,7 @@ def export_scene(env_id: str, out: Path, *, seed: int, split: str) -> Values:
     Raises:
         IcdError: unknown environment or split, impossible seed or file.
     """
-    find_task(env_id)  # an environment that has none is refused
-    env = gym.make(env_id, split=split)
-    try:
+    with contact_env(env_id, (("split", split),)) as env:
         env.reset(seed=seed)
         geoms = export_glb(env, out)
-    finally:
-        env.close()
     return {"file": str(out), "geoms": geoms, "kilobytes": out.stat().st_size / 1e3}

@@ -7,12 +7,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-import gymnasium as gym
-
+from benchmarks.contact_env import contact_env
 from benchmarks.parts import local_field
 from icd_agent.field.field import SceneField
 from icd_agent.field.train import load_field
-from icd_envs.demonstrations import find_task
 from icd_envs.tasks.env import ContactEnv
 
 
@@ -30,11 +28,5 @@ def field_in_test_scenes(
         InvalidOptionError: unknown environment.
         CheckpointError: missing or damaged weights.
     """
-    find_task(env_id)  # an environment that has none is refused
-    field = load_field(local_field(env_id, weights))
-    env = gym.make(env_id, split="test").unwrapped
-    assert isinstance(env, ContactEnv)
-    try:
-        yield field, env
-    finally:
-        env.close()
+    with contact_env(env_id) as env:
+        yield load_field(local_field(env_id, weights)), env

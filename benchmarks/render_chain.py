@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-import gymnasium as gym
 import numpy as np
 
+from benchmarks.contact_env import contact_env
 from benchmarks.figures import Colours, new_figure, save_figure
 from benchmarks.parts import check_places
 from icd_agent.diffused import DiffusedSource
@@ -18,8 +18,6 @@ from icd_agent.mppi.costs import squared_distance
 from icd_agent.networks import load_networks, load_shipped
 from icd_agent.presets import PRESETS
 from icd_envs.api import Float32Array, FloatArray
-from icd_envs.demonstrations import find_task
-from icd_envs.tasks.env import ContactEnv
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -42,19 +40,14 @@ def render(env_id: str, out: Path, *, seed: int, weights: Path | None) -> None:
         InvalidOptionError: unknown environment, a file that is no PNG, or no Matplotlib.
         CheckpointError: missing or damaged weights.
     """
-    find_task(env_id)  # an environment that has none is refused
-    figure = new_figure(out, (14, 9))
-    networks = load_shipped(env_id) if weights is None else load_networks(weights, env_id)
-    check_places(networks.diffusion)
-    env = gym.make(env_id, split="test").unwrapped
-    assert isinstance(env, ContactEnv)
-    try:
+    with contact_env(env_id) as env:
+        figure = new_figure(out, (14, 9))
+        networks = load_shipped(env_id) if weights is None else load_networks(weights, env_id)
+        check_places(networks.diffusion)
         observation, _ = env.reset(seed=seed)
         episode = env.episode(oracle=True)
-        assert episode.oracle is not None
-        clouds: Float32Array = episode.oracle.points
-    finally:
-        env.close()
+    assert episode.oracle is not None
+    clouds: Float32Array = episode.oracle.points
     scene = observation["scene"]
     placed = ExactFieldSpace(networks.encoded).place(observation, foreign=episode.foreign_goal)
     generator = Generator(networks.diffusion, networks.latent, PRESETS["improved"].chain)

@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.beginning import begin, episode_for
-from benchmarks.conditions import Condition, TaskSpec, make_env, parse_options
+from benchmarks.conditions import parse_options
+from benchmarks.contact_env import contact_env
 from benchmarks.errors import blaming
 from benchmarks.figures import new_figure, save_figure
 from benchmarks.registry import Offer, make_agent
 from icd_envs.api import Agent, SimState
-from icd_envs.demonstrations import find_task
 from icd_envs.errors import InvalidOptionError
 from icd_envs.tasks.env import ContactEnv
 
@@ -65,7 +65,6 @@ def render(
             Matplotlib or Pillow.
         AgentFailedError: the agent raised.
     """
-    find_task(env_id)  # an environment that has none is refused
     if out.suffix not in (".png", ".gif"):
         raise InvalidOptionError(
             f"out={str(out)!r} cannot be used: give a name that ends in .png or .gif"
@@ -75,13 +74,10 @@ def render(
             "films need Pillow: pip install 'implicit-contact-diffuser[figures]'"
         )
     figure = new_figure(out, (16, 6.4)) if out.suffix == ".png" else None
-    with blaming(agent_name):
-        agent = make_agent(agent_name, Offer(env_id, trust_pickle=trust_pickle))
     told = (*parse_options(options), ("render_mode", "rgb_array"))
-    env: Any = make_env(TaskSpec(env_id, Condition("drawn", told))).unwrapped
-    assert isinstance(env, ContactEnv)
-    try:
+    with contact_env(env_id, told) as env:
         with blaming(agent_name):
+            agent = make_agent(agent_name, Offer(env_id, trust_pickle=trust_pickle))
             played = _play(env, agent, seed)
         if figure is None:
             _film(env, played, out)
@@ -90,8 +86,6 @@ def render(
             ending = "success" if played.success else "no success"
             figure.suptitle(f"{agent_name} in {env_id}, test scene {seed}: {ending}")
             save_figure(figure, out)
-    finally:
-        env.close()
 
 
 def _play(env: ContactEnv[Any], agent: Agent, seed: int) -> Played:

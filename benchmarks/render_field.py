@@ -10,7 +10,7 @@ import torch
 
 from benchmarks.fields import field_in_test_scenes
 from benchmarks.figures import Colours, new_figure, save_figure
-from icd_agent.field.baked import CHUNK
+from icd_agent.field.baked import ask
 from icd_agent.field.field import FieldOutput, SceneField
 from icd_agent.field.supervision import above_floor
 from icd_envs.api import Float32Array, FloatArray
@@ -76,9 +76,7 @@ def _draw_scene(env: ContactEnv[Any], seed: int, margin: float) -> _Scene:
 def _ask(field: SceneField, cloud: Float32Array, points: FloatArray) -> FieldOutput:
     with torch.no_grad():
         code = field.encoder(torch.from_numpy(cloud)[None])
-        flat = torch.from_numpy(np.ascontiguousarray(points, np.float32))
-        parts = [field.query(code, chunk[None]) for chunk in torch.split(flat, CHUNK)]
-    return FieldOutput(*(torch.cat(part, dim=1) for part in zip(*parts, strict=True)))
+    return ask(field, code, points)
 
 
 def _draw_slice(

@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 from torch.nn import functional
 
 from icd_agent.field.encoder import SceneCode, find_fixtures
-from icd_agent.field.field import SceneField
+from icd_agent.field.field import FieldOutput, SceneField
 from icd_agent.options import is_positive, require
 from icd_envs.api import Float32Array, FloatArray
 
@@ -136,7 +136,7 @@ class BakedField:
         with torch.no_grad():
             code = field.encoder(cloud)
             self._grids = [_Grid(low, high, config.coarse, 0)]
-            self._table = _ask(field, code, self._grids[0].points())
+            self._table = ask(field, code, self._grids[0].points()).descriptor[0]
             self.evaluated = len(self._table)
             grids, tables = self._grids, [self._table]
             for a, b in _fixture_boxes(fixture, low[2], config.near):
@@ -147,7 +147,7 @@ class BakedField:
                     cKDTree(fixture).query(points, distance_upper_bound=config.near)[0]
                 )
                 table = torch.from_numpy(self.features(points))  # the coarse grid's
-                table[near] = _ask(field, code, points[near])
+                table[near] = ask(field, code, points[near]).descriptor[0]
                 self.evaluated += int(np.count_nonzero(near))
                 tables.append(table)
         self._grids, self._table = grids, torch.cat(tables)
@@ -175,10 +175,18 @@ class BakedField:
         return found.numpy().reshape(*points.shape[:-1], -1)
 
 
-def _ask(field: SceneField, code: SceneCode, points: Float32Array) -> torch.Tensor:
-    """Descriptors (P, D) of points (P, 3) [m], straight from the network."""
-    chunks = torch.split(torch.from_numpy(points), CHUNK)
-    return torch.cat([field.query(code, chunk[None]).descriptor[0] for chunk in chunks])
+def ask(field: SceneField, code: SceneCode, points: FloatArray) -> FieldOutput:
+    """What the network itself says of points (P, 3) [m] of one scene: (1, P, ...), in chunks.
+
+    Args:
+        field: in evaluation mode.
+        code: of the scene.
+        points: world frame.
+    """
+    chunks = torch.split(torch.from_numpy(np.ascontiguousarray(points, np.float32)), CHUNK)
+    with torch.no_grad():
+        parts = [field.query(code, chunk[None]) for chunk in chunks]
+    return FieldOutput(*(torch.cat(part, dim=1) for part in zip(*parts, strict=True)))
 
 
 def _fixture_boxes(

@@ -7,7 +7,7 @@ import torch
 
 from icd_agent.chain import Features, Placed
 from icd_agent.completion import seen_scene
-from icd_agent.field.baked import CHUNK, BakeConfig, BakedField
+from icd_agent.field.baked import BakeConfig, BakedField, ask
 from icd_agent.field.field import SceneField
 from icd_agent.field.train import load_field
 from icd_agent.weights import LOCAL_FIELD, shipped_folder
@@ -80,11 +80,7 @@ def exact_features(field: SceneField, scene: FloatArray) -> Features:
         code = field.encoder(torch.from_numpy(np.ascontiguousarray(scene, np.float32))[None])
 
     def features(points: FloatArray) -> Float32Array:
-        flat = torch.from_numpy(np.ascontiguousarray(points, np.float32).reshape(-1, 3))
-        with torch.no_grad():
-            found = [
-                field.query(code, chunk[None]).descriptor[0] for chunk in torch.split(flat, CHUNK)
-            ]
-        return torch.cat(found).numpy().reshape(*np.shape(points)[:-1], -1)
+        found = ask(field, code, np.reshape(points, (-1, 3))).descriptor[0]
+        return found.numpy().reshape(*np.shape(points)[:-1], -1)
 
     return features

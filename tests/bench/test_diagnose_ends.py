@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from benchmarks import diagnose_ends
+from benchmarks import contact_env
 from benchmarks.conditions import TaskSpec, make_env
 from icd_agent.weights import LOCAL, SUBGOAL_DIFFUSER, shipped_folder
 from tests.bench.making import icd_bench
@@ -44,7 +44,7 @@ def test_it_takes_options_of_the_task(monkeypatch: pytest.MonkeyPatch) -> None:
         made.append(task)
         return make_env(task)
 
-    monkeypatch.setattr(diagnose_ends, "make_env", making)
+    monkeypatch.setattr(contact_env, "make_env", making)
     values = ends("--scenes", 1, "--option", "goals=contact")
     assert 0 <= values["right"] <= 1
     (task,) = made
