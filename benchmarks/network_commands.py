@@ -137,6 +137,9 @@ def train_diffusion(
     steps: Steps = 8000,
     episodes: Episodes = 1500,
     seed: Seed = 0,
+    places: Annotated[
+        int, typer.Option(min=0, help="Numbers for places beside each latent; 0: contacts only.")
+    ] = 16,
     as_json: AsJson = False,
 ) -> None:
     """Train the denoiser of chains of subgoals."""
@@ -144,7 +147,7 @@ def train_diffusion(
         from benchmarks.train_latent import diffusion
 
         order = TrainingOrder(env, data, out, device, steps, episodes, seed)
-        say(diffusion(order, field=field, latent=latent), as_json)
+        say(diffusion(order, field=field, latent=latent, places=places), as_json)
 
 
 @GROUPS["train"].command("bank")

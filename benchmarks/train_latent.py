@@ -34,13 +34,16 @@ def latent(order: TrainingOrder, *, field: Path | None, decoder_width: int) -> V
     return _values(order, trained, described.about)
 
 
-def diffusion(order: TrainingOrder, *, field: Path | None, latent: Path | None) -> Values:
+def diffusion(
+    order: TrainingOrder, *, field: Path | None, latent: Path | None, places: int
+) -> Values:
     """Describe and encode recorded states, train the denoiser on chains of them, save.
 
     Args:
         order: what to train on, and where to.
         field: folder of the field; None is the package's.
         latent: folder of the autoencoder; None is the package's.
+        places: see ``DiffusionConfig``.
 
     Returns:
         Names and values for the user.
@@ -51,7 +54,7 @@ def diffusion(order: TrainingOrder, *, field: Path | None, latent: Path | None) 
     check_device(order.device)
     parts = chain_parts(order.env_id, field, latent)
     described = describe(order.env_id, order.data, parts.field, order.episodes, order.split)
-    trained = fit_diffusion(described, order, parts.latent)
+    trained = fit_diffusion(described, order, parts.latent, places=places)
     return _values(order, trained, described.about)
 
 

@@ -65,8 +65,9 @@ class ICDAgent:
 
         Raises:
             InvalidOptionError: unknown preset.
-            CheckpointError: the networks do not fit one another or the task of ``env``, or the
-                preset decodes subgoals and there are two fields.
+            CheckpointError: the networks do not fit one another or the task of ``env``; or the
+                preset decodes subgoals and there are two fields, or asks the field at generated
+                places and none are generated.
         """
         if preset not in PRESETS:
             raise InvalidOptionError(unknown_name("ICD preset", preset, PRESETS))
@@ -78,6 +79,11 @@ class ICDAgent:
             raise CheckpointError(
                 f"preset {preset!r} follows decoded descriptors, but by {WHOLE!r} these weights "
                 "encode another field's than they follow: use weights trained on one field"
+            )
+        if settings.chain.ask_field and networks.diffusion.config.places == 0:
+            raise CheckpointError(
+                f"preset {preset!r} asks the field at generated places, but this denoiser has "
+                "places=0 and generates none: use preset 'paper', or one with places"
             )
         self.networks = networks
         self.preset = preset

@@ -6,13 +6,16 @@ import json
 import shutil
 import sys
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+import gymnasium as gym
 import numpy as np
 import pytest
 from PIL import Image
 
+from benchmarks.registry import Offer, make_agent
 from icd_agent.checkpoints import save_checkpoint
+from icd_envs.errors import CheckpointError
 from tests.agent.field.small import SMALL, small_field
 from tests.bench.making import icd_bench
 from tests.envs.making import CABLE
@@ -255,6 +258,26 @@ def test_data_may_be_the_working_directory_and_the_decoder_wider(
     trained = icd_bench(*command, "--steps", 2, "--decoder-width", 24, "--out", tmp_path)
     assert trained.exit_code == 0, trained.stderr
     assert json.loads((tmp_path / "config.json").read_text())["config"]["decoder_width"] == 24
+
+
+def test_chains_of_contacts_alone_are_trained_and_followed_with_the_papers_settings(
+    data: Path, weights: Path, trained: Trained, tmp_path: Path
+) -> None:
+    shutil.copytree(weights, tmp_path / "field")
+    shutil.copytree(trained.latent, tmp_path / "latent")
+    command = ("train", "diffusion", "--env", CABLE, "--data", data, "--field", weights)
+    given = ("--latent", trained.latent, "--places", 0, "--steps", 2)
+    done = icd_bench(*command, *given, "--out", tmp_path / "diffusion")
+    assert done.exit_code == 0, done.stderr
+    with pytest.raises(CheckpointError, match=r"places=0 and generates none: use preset 'paper'"):
+        make_agent(f"icd@{tmp_path}", Offer(CABLE))
+    agent = make_agent(f"icd-paper@{tmp_path}", Offer(CABLE))
+    env: Any = gym.make(CABLE).unwrapped
+    observation, _ = env.reset(seed=0)
+    agent.reset(env.episode(simulator=True), 0)
+    assert np.abs(agent.act(observation)).max() <= 1
+    assert agent.plan_info.subgoals is None  # type: ignore[attr-defined]  there are no places
+    env.close()
 
 
 def test_latents_are_diagnosed_on_unseen_states(weights: Path, trained: Trained) -> None:
