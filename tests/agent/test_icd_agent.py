@@ -182,9 +182,17 @@ def test_saved_weights_tell_how_they_were_trained_and_keep_their_preset(tmp_path
     loaded = ICDAgent.from_pretrained(tmp_path)
     assert loaded.networks.env_id == NOTEBOOK
     assert loaded.preset == best_preset(NOTEBOOK) == "careful"
-    for make in (make_icd, make_icd_local, make_global_ndf):
-        assert make("ICDNotebookFoldingAdaptation-v0", tmp_path).preset == "careful"
-        assert make("Another-v0", tmp_path).preset == "careful"
+    whole = learned_in(NOTEBOOK, NOTEBOOK)._replace(
+        field=small_field(0, replace(SMALL, scope="global"))
+    )
+    ICDAgent(whole).save_pretrained(tmp_path / "whole")
+    for make, folder in (
+        (make_icd, tmp_path),
+        (make_icd_local, tmp_path),
+        (make_global_ndf, tmp_path / "whole"),
+    ):
+        assert make("ICDNotebookFoldingAdaptation-v0", folder).preset == "careful"
+        assert make("Another-v0", folder).preset == "careful"
 
 
 def test_weights_of_another_task_are_refused_unless_it_is_not_ours(
