@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import io
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import gymnasium as gym
 import numpy as np
-import torch
 from stable_baselines3 import SAC, HerReplayBuffer
 from stable_baselines3.common.callbacks import BaseCallback
 
@@ -19,9 +17,8 @@ from benchmarks.console import Values
 from benchmarks.training_progress import training
 from icd_agent.checkpoints import not_finite, save_checkpoint
 from icd_agent.locking import alone
-from icd_agent.replacing import cannot_write, write_atomically
 from icd_agent.training.device import check_device
-from icd_agent.training.resumed import differences
+from icd_agent.training.state import read_state, save_state
 from icd_envs.errors import TrainingError
 from icd_envs.registration import check_env_id
 from icd_envs.wrappers import SubsamplePointCloud
@@ -140,7 +137,7 @@ def _make(env: gym.Env[Any, Any], learning_starts: int, device: str, seed: int) 
 
 
 class _Saved(BaseCallback):
-    """Writes the state in one step: a kill or a full disk leaves the last one whole."""
+    """Writes the state every so many steps, and at the end."""
 
     def __init__(self, path: Path, run: dict[str, Any], seen: Seen) -> None:
         super().__init__()
@@ -162,35 +159,20 @@ class _Saved(BaseCallback):
                 f"and another --out; the last save in {self._path.parent} is good"
             )
         state = {
-            "run": self._run,
             "step": model.num_timesteps,
             "updates": model._n_updates,
             "parameters": model.get_parameters(),
             "log_ent_coef": model.log_ent_coef.detach(),
         }
-        content = io.BytesIO()
-        torch.save(state, content)
-        try:
-            write_atomically(self._path, content.getvalue())
-        except OSError as error:
-            raise TrainingError(cannot_write(self._path, error)) from error
+        save_state(self._path, self._run, state)
         self._seen(model.num_timesteps, {})
 
 
 def _resume(path: Path, model: SAC, run: dict[str, Any]) -> int:
     """Control steps done by a killed run, whose weights the model then has."""
-    if not path.exists():
+    state = read_state(path, run)
+    if state is None:
         return 0
-    try:
-        state = torch.load(path, map_location="cpu", weights_only=True)
-        before = state["run"]
-    except Exception as error:  # zip and pickle each fail in ways of their own
-        raise TrainingError(f"{path} is damaged: {error}: delete it and train again") from error
-    if before != run:
-        raise TrainingError(
-            f"cannot go on with {path.parent}: it was trained with other "
-            f"{', '.join(differences(before, run))}: choose another --out"
-        )
     try:
         model.set_parameters(state["parameters"], device=model.device)
         coefficient: Any = model.log_ent_coef

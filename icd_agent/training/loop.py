@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import io
 import json
 import math
 from collections.abc import Callable
@@ -16,10 +15,11 @@ import torch
 from torch import Tensor, nn
 
 from icd_agent.checkpoints import not_finite
-from icd_agent.replacing import cannot_write, write_atomically
+from icd_agent.replacing import cannot_write
 from icd_agent.training.config import TrainingConfig
 from icd_agent.training.initial import initialise
-from icd_agent.training.resumed import cut_log, differences
+from icd_agent.training.resumed import cut_log
+from icd_agent.training.state import read_state, save_state
 from icd_envs.errors import TrainingError
 
 STATE_NAME: Final = "training.pt"
@@ -172,21 +172,14 @@ def _save(
     average: nn.Module,
     optimizer: torch.optim.Optimizer,
 ) -> None:
-    """In one step: a kill or a full disk leaves the last one whole."""
     state = {
-        "run": json.dumps(run, sort_keys=True),
         "step": step,
         "terms": terms,
         "model": model.state_dict(),
         "average": average.state_dict(),
         "optimizer": optimizer.state_dict(),
     }
-    content = io.BytesIO()
-    torch.save(state, content)
-    try:
-        write_atomically(path, content.getvalue())
-    except OSError as error:
-        raise TrainingError(cannot_write(path, error)) from error
+    save_state(path, run, state)
 
 
 def _resume(
@@ -197,18 +190,9 @@ def _resume(
     optimizer: torch.optim.Optimizer,
 ) -> tuple[int, dict[str, float]]:
     """Step and terms of the state that is there; the networks then have its weights."""
-    if not path.exists():
+    state = read_state(path, run)
+    if state is None:
         return 0, {}
-    try:
-        state = torch.load(path, map_location="cpu", weights_only=True)
-        before = json.loads(state["run"])
-    except Exception as error:  # zip, pickle and JSON each fail in ways of their own
-        raise TrainingError(f"{path} is damaged: {error}: delete it and train again") from error
-    if before != run:
-        raise TrainingError(
-            f"cannot go on with {path.parent}: it was trained with other "
-            f"{', '.join(differences(before, run))}: choose another --out"
-        )
     try:
         model.load_state_dict(state["model"])
         average.load_state_dict(state["average"])
