@@ -12,6 +12,7 @@ from torch import Tensor
 from icd_agent.diffusion.code import SubgoalCode
 from icd_agent.diffusion.config import LEVELS
 from icd_agent.diffusion.denoiser import COARSE, GIVEN, UNKNOWN, Known
+from icd_agent.episodes import Goals
 from icd_agent.scene_tokens import Frame
 from icd_agent.states import States
 
@@ -19,8 +20,6 @@ FROM_START: Final = 0.4
 """Share of chains that begin where the episode does."""
 TO_END: Final = 0.6
 """Share that end where it does."""
-FOREIGN: Final = 0.4
-"""Share whose goal is one of another scene, with the same parts of the task done."""
 BLUR: Final = 0.1
 """Largest standard deviation of the noise on what the level before has proposed: at test time
 it was generated."""
@@ -56,7 +55,8 @@ class ChainData:
         self._latents = latents
         self._code = code
         self._scene_size = scene_size
-        self._alike = _rows_alike(states)
+        self._last = states.first[1:] - 1
+        self._whose = Goals(states.solved[self._last])
 
     def draw(self, count: int, rng: np.random.Generator, device: str = "cpu") -> Chains:
         """A batch of chains, all of one level.
@@ -113,22 +113,6 @@ class ChainData:
         self, rows: NDArray[np.int64], rng: np.random.Generator
     ) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
         """The goal of each chain: its own last state, or one like it in another scene."""
-        foreign = rng.random(len(rows)) < FOREIGN
-        share = rng.random(len(rows))
-        last = self._states.first[self._states.episode[rows] + 1] - 1
-        foreign &= rows == last  # a state on the way has no counterpart elsewhere
-        goals = rows.copy()
-        for i in np.flatnonzero(foreign):
-            like = self._alike[self._states.solved[rows[i]].tobytes()]
-            goals[i] = like[int(share[i] * len(like))]
-        return goals, foreign
-
-
-def _rows_alike(states: States) -> dict[bytes, NDArray[np.int64]]:
-    """Last states of episodes, by which parts of the task are done."""
-    last = states.first[1:] - 1
-    kinds = [states.solved[row].tobytes() for row in last]
-    return {
-        kind: last[[i for i, each in enumerate(kinds) if each == kind]]
-        for kind in dict.fromkeys(kinds)
-    }
+        episode = self._states.episode[rows]
+        whose, foreign = self._whose.draw(episode, rng, at_end=rows == self._last[episode])
+        return np.where(foreign, self._last[whose], rows), foreign

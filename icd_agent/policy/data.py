@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Final, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor
 
-from icd_agent.episodes import sound_episodes
+from icd_agent.episodes import Goals, sound_episodes
 from icd_agent.options import require
 from icd_agent.policy.config import PolicyConfig
 from icd_agent.policy.encoders import Seen
 from icd_agent.policy.look import Look
 from icd_envs.api import Float32Array
 from icd_envs.demonstrations import Demonstrations
-
-FOREIGN: Final = 0.4
-"""Share of windows whose goal is that of another scene, as in the training of ICD's chains."""
 
 
 class Windows(NamedTuple):
@@ -79,7 +75,7 @@ class PolicyData:
         self.episodes, self.steps = len(used), int(self._end[-1])
         self._last = demonstrations.first_state[used + 1] - 1
         self._goals = look.object(demonstrations.points(demonstrations.nodes[self._last]))
-        self._alike = self._rows_alike()
+        self._whose = Goals(demonstrations.solved[self._last])
         self.limits = self._limits()
 
     def draw(self, count: int, rng: np.random.Generator, device: str = "cpu") -> Windows:
@@ -98,7 +94,7 @@ class PolicyData:
         back = np.arange(1 - config.observed, 1)
         states = recorded.first_state[episode][:, None] + np.maximum(step[:, None] + back, 0)
         clouds = self._look.object(recorded.points(recorded.nodes[states.ravel()]))
-        goal = self._goals_of(i, rng)
+        goal, _ = self._whose.draw(i, rng)
         seen = Seen(
             _tensor(recorded.gripper[states, :3], device),
             _tensor(clouds.reshape(*states.shape, *clouds.shape[1:]), device),
@@ -128,22 +124,6 @@ class PolicyData:
             torch.from_numpy(np.where(apart, low, low - half)),
             torch.from_numpy(np.where(apart, high, high + half)),
         )
-
-    def _goals_of(self, i: NDArray[np.int64], rng: np.random.Generator) -> NDArray[np.int64]:
-        """Whose last state is the goal: the episode's own, or one like it in another scene."""
-        foreign, share = rng.random(len(i)) < FOREIGN, rng.random(len(i))
-        goal = i.copy()
-        for row in np.flatnonzero(foreign):
-            like = self._alike[int(i[row])]
-            goal[row] = like[int(share[row] * len(like))]
-        return goal
-
-    def _rows_alike(self) -> list[NDArray[np.int64]]:
-        """For each episode, those that ended with the same parts of the task done."""
-        solved = self._demonstrations.solved[self._last]
-        _, kind = np.unique(solved, axis=0, return_inverse=True)
-        kinds = [np.flatnonzero(kind == each) for each in range(kind.max() + 1)]
-        return [kinds[each] for each in kind]
 
 
 def _tensor(values: Float32Array, device: str) -> Tensor:

@@ -7,7 +7,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from icd_agent.policy.data import FOREIGN, PolicyData
+from icd_agent.episodes import FOREIGN
+from icd_agent.policy.data import PolicyData
 from icd_agent.policy.look import Look
 from icd_envs.errors import InvalidOptionError
 from tests.agent.policy.toy import POINTS, STRIDE, toy_demonstrations
