@@ -50,17 +50,16 @@ class SceneEncoder(nn.Module):
         self.exchange = nn.ModuleList(_Exchange(channels) for _ in range(config.graph_layers))
         self.summary = Summary(channels, config.code_channels) if config.scope == "global" else None
 
-    def forward(self, scene: Tensor, there: Tensor | None = None) -> SceneCode:
+    def forward(self, scene: Tensor) -> SceneCode:
         """Encode scenes.
 
         Args:
             scene: (B, M, 3) [m] surface points, world frame.
-            there: (B, M) bool, points that were seen; None is all.
 
         Returns:
             The code, for ``SceneField.query``.
         """
-        floor, fixture = find_fixtures(scene, self.config.floor_margin, there)
+        floor, fixture = find_fixtures(scene, self.config.floor_margin)
         chosen = spread(scene, self.config.anchors, fixture)
         anchors = gather(scene, chosen)
         features = self._look_around(scene, fixture, anchors)
@@ -91,9 +90,7 @@ class SceneEncoder(nn.Module):
         return offsets[..., None] / self.config.close_scale
 
 
-def find_fixtures(
-    scene: Tensor, margin: float, there: Tensor | None = None
-) -> tuple[Tensor, Tensor]:
+def find_fixtures(scene: Tensor, margin: float) -> tuple[Tensor, Tensor]:
     """Tell floor from what stands on it, also where a camera's noise has roughened both.
 
     Where the lowest points are all at one height, that is the floor. Where they are not, but the
@@ -103,23 +100,20 @@ def find_fixtures(
         scene: (B, M, 3) [m] surface points, world frame.
         margin: [m] points this close above the floor are of it; where noise reaches farther, points
             that it may have raised.
-        there: (B, M) bool, points that were seen; None is all.
 
     Returns:
-        (B,) [m] height of the floor; (B, M) bool, points of fixtures, or all that were seen in a
+        (B,) [m] height of the floor; (B, M) bool, points of fixtures, or all in a
         scene of bare floor, which has nothing else to hold on to.
     """
-    there = torch.ones_like(scene[..., 0], dtype=torch.bool) if there is None else there
-    height = scene[..., 2].masked_fill(~there, float("nan"))
+    height = scene[..., 2]
     lowest, low, tenth = (
-        torch.nanquantile(height, share, dim=1, interpolation="lower")
-        for share in (0.0, 0.016, 0.1)
+        torch.quantile(height, share, dim=1, interpolation="lower") for share in (0.0, 0.016, 0.1)
     )
     rough = (low - lowest > FLAT) & (tenth - lowest < NOISE)
     floor = torch.where(rough, tenth, lowest)
     above = torch.where(rough, 4.0 * (tenth - low), 0.0).clamp(min=margin)
-    fixture = there & (scene[..., 2] > (floor + above)[:, None])
-    return floor, torch.where(fixture.any(dim=1, keepdim=True), fixture, there)
+    fixture = height > (floor + above)[:, None]
+    return floor, fixture | ~fixture.any(dim=1, keepdim=True)
 
 
 class _Exchange(nn.Module):

@@ -65,15 +65,14 @@ class SceneField(nn.Module):
         self.heads = nn.Linear(width, 2)
         self.gates = nn.Linear(width, channels + 1)
 
-    def forward(self, scene: Tensor, points: Tensor, there: Tensor | None = None) -> FieldOutput:
+    def forward(self, scene: Tensor, points: Tensor) -> FieldOutput:
         """Encode scenes and ask about points.
 
         Args:
             scene: (B, M, 3) [m] surface points, world frame.
             points: (B, Q, 3) [m], world frame.
-            there: (B, M) bool, scene points that were seen; None is all.
         """
-        return self.query(self.encoder(scene, there), points)
+        return self.query(self.encoder(scene), points)
 
     def query(self, code: SceneCode, points: Tensor) -> FieldOutput:
         """Ask about points (B, Q, 3) [m] in encoded scenes."""

@@ -94,17 +94,6 @@ def test_descriptors_are_continuous(field: SceneField) -> None:
     assert float(jumps.max()) < 0.02 * float((descriptors - descriptors.mean(0)).norm(dim=-1).max())
 
 
-def test_unseen_points_have_no_influence(field: SceneField) -> None:
-    scene = scene_of(1)
-    points = queries_of(1, scene)
-    there = torch.ones(1, scene.shape[1], dtype=torch.bool)
-    there[:, 5::7] = False
-    hidden = torch.where(there[..., None], scene, torch.zeros(3, dtype=torch.float64))
-    torch.testing.assert_close(
-        field(hidden, points, there).descriptor, field(scene, points, there).descriptor
-    )
-
-
 def test_a_scene_of_few_points_or_bare_floor_is_answered_with_finite_numbers(
     field: SceneField,
 ) -> None:

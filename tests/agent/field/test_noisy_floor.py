@@ -38,16 +38,6 @@ def test_noise_makes_no_fixtures_of_the_floor(scene: Tensor, noise: float) -> No
     assert (fixture & ~ground).sum() > 0.6 * (~ground).sum()
 
 
-def test_points_that_were_not_seen_say_nothing_of_the_floor(scene: Tensor) -> None:
-    hidden = torch.zeros_like(scene[..., 0], dtype=torch.bool)
-    hidden[:, :30] = True
-    sunk = torch.where(hidden[..., None], scene - 1.0, scene)
-    floor, fixture = find_fixtures(sunk, MARGIN, ~hidden)
-    wanted, all_fixtures = find_fixtures(scene, MARGIN)
-    assert floor == wanted
-    assert torch.equal(fixture, all_fixtures & ~hidden)
-
-
 def test_a_few_low_points_of_what_stands_there_are_no_noise() -> None:
     rising = torch.zeros(1, 1000, 3)
     rising[0, :, 2] = torch.linspace(0.0, 0.5, 1000)
