@@ -18,7 +18,7 @@ from benchmarks.plan import Job, Plan
 from benchmarks.registry import Offer, make_agent
 from docs.tasks.measure_open_covers import between
 from icd_envs.api import Agent
-from icd_envs.scenes.notebook import NotebookFoldingScene
+from icd_envs.scenes.notebook_folding import NotebookFoldingScene
 from icd_envs.tasks.env import ContactEnv
 from icd_envs.tasks.notebook_folding import NotebookFolding
 
@@ -47,8 +47,9 @@ def play(env: ContactEnv[NotebookFoldingScene], agent: Agent, job: Job) -> End:
         over = terminated or truncated
     oracle = env.episode(oracle=True).oracle
     assert oracle is not None
-    cloud = observation["achieved_goal"]
-    return End(info["is_success"], bool(env.task.solved(cloud, oracle.scene)), between(cloud))
+    cloud, scene = observation["achieved_goal"], oracle.scene
+    assert isinstance(scene, NotebookFoldingScene)
+    return End(info["is_success"], bool(env.task.solved(cloud, scene)), between(cloud))
 
 
 def measure(name: str, episodes: int) -> None:

@@ -14,7 +14,6 @@ import gymnasium as gym
 import mujoco
 import numpy as np
 
-import icd_envs
 from docs.tasks.render_threshold import distance
 from icd_envs.api import Float64Array, FloatArray
 from icd_envs.geometry.folding import COLUMNS, FOLDED, ROWS, cover_gap, on_top
@@ -112,6 +111,5 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--scenes", type=int, default=60)
     options = parser.parse_args()
-    icd_envs.register_envs()
     measure_opened(options.scenes)
     measure_early_stops(options.scenes)

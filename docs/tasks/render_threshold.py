@@ -13,7 +13,7 @@ from collections import defaultdict
 import numpy as np
 
 from docs.tasks.filming import FOLDER
-from icd_envs.api import Float32Array
+from icd_envs.api import FloatArray
 from icd_envs.experts.notebook_folding import Fault, NotebookFoldingExpert, Style
 from icd_envs.geometry.folding import fold_gap
 from icd_envs.tasks.base import run_expert
@@ -29,7 +29,7 @@ KINDS: dict[str, Fault | None] = {
 }
 
 
-def distance(points: Float32Array, goal: Float32Array) -> float:
+def distance(points: FloatArray, goal: FloatArray) -> float:
     """Mean distance [m] of corresponding points."""
     return float(np.linalg.norm(points - goal, axis=-1).mean())
 

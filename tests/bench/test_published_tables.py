@@ -9,7 +9,7 @@ from statistics import fmean
 
 from benchmarks.manifest import FILE_NAME as MANIFEST_NAME
 from benchmarks.report.collected import collect
-from benchmarks.report.paper import paper_of
+from benchmarks.report.paper import method_of, paper_of
 from benchmarks.rows import Row
 from benchmarks.statistics import paired_p, wilson
 from benchmarks.suites import CABLE, CABLE_ADAPTATION, NOTEBOOK, NOTEBOOK_ADAPTATION
@@ -156,7 +156,7 @@ def test_baselines_are_measured_as_their_rows_say() -> None:
         found = rows[agent, *task]
         assert success == rate(found, " %"), line
         assert complete == f"{100 * fmean(row.complete for row in found):g} %", line
-        assert paper == paper_text(agent.removesuffix("-paper"), *task), line
+        assert paper == paper_text(method_of(agent), *task), line
         assert taken == steps(found), line
         assert compared == ("" if agent == "icd" else against(found, rows["icd", *task])), line
         shown.add((agent, *task))
