@@ -145,7 +145,7 @@ def steps(rows: Sequence[Row]) -> str:
 
 
 def test_baselines_are_measured_as_their_rows_say() -> None:
-    more = matching("subgoal-diffuser-paper-*", "gates-*/rows/ladder-transferred-points")
+    more = matching("*-paper-*", "gates-*/rows/ladder-transferred-points")
     rows = rows_in([*of_the_readme(), *more]) | renamed(rows_in(matching("icd-local-*")))
     contact = {"contact goals": CABLE, "contact goals, adaptation": CABLE_ADAPTATION}
     shown = set()
