@@ -29,7 +29,7 @@ _PACKAGES = (
 _FINGERPRINTED = ("icd_envs", "icd_agent", "baselines")
 _OURS = (*_FINGERPRINTED, "benchmarks")
 _MISSING = "not installed"
-_SUFFIXES = (".py", ".json", ".safetensors")
+_SUFFIXES = (".py", ".json", ".safetensors", ".xml")
 WEIGHT_FILES = ("config.json", "model.safetensors")
 """Of a trained network."""
 

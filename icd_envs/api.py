@@ -7,7 +7,7 @@ Lengths are metres, world frame, z up; times are seconds.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Protocol, TypedDict, runtime_checkable
+from typing import Any, Final, Protocol, TypedDict, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,9 @@ FloatArray = NDArray[np.floating[Any]]
 Float32Array = NDArray[np.float32]
 Float64Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
+
+SEEN_CLOUDS: Final = ("achieved_goal", "scene")
+"""Clouds of the present state: those that are seen, perhaps in part and with noise."""
 
 
 class Observation(TypedDict):

@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 from gymnasium import spaces
 
-from icd_envs.api import Observation, PartialObservation
+from icd_envs.api import SEEN_CLOUDS, Observation, PartialObservation
 from icd_envs.physics.camera import PointCamera
 from icd_envs.physics.guard import BOUND
 
@@ -19,7 +19,6 @@ NOISE: Final = 0.002
 UNSEEN: Final = 0.0
 """[m] coordinates of a point that is not seen: what masked pooling expects, a value of the space,
 and one that says nothing of where the point is."""
-SEEN_CLOUDS: Final = ("achieved_goal", "scene")
 
 
 def mask_spaces(shapes: dict[str, tuple[int, ...]]) -> dict[str, spaces.Box]:

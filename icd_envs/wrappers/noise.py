@@ -7,10 +7,9 @@ from typing import Any, Final
 import gymnasium as gym
 import numpy as np
 
-from icd_envs.api import Float32Array, Float64Array, FloatArray
+from icd_envs.api import SEEN_CLOUDS, Float32Array, Float64Array, FloatArray
 from icd_envs.errors import InvalidOptionError
 from icd_envs.tasks.checks import check_action
-from icd_envs.tasks.partial import SEEN_CLOUDS
 from icd_envs.wrappers.checks import box_parts, check_part, is_finite
 
 ACTION_STREAM: Final = 2
