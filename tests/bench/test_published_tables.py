@@ -163,6 +163,23 @@ def test_baselines_are_measured_as_their_rows_say() -> None:
     assert {key for key in rows if key[0] not in ("random", "expert")} == shown
 
 
+def test_a_hundred_other_scenes_are_as_their_rows_say() -> None:
+    rows = rows_in(matching("paired-*"))
+    agents = set()
+    for line in table(METHOD, "100 scenes"):
+        name, success, complete, taken, paper, compared = line.values()
+        agents.add(code(name))
+        found = rows[code(name), CABLE, "default"]
+        assert len(found) == len({row.seed for row in found}) == 100, name
+        assert success == rate(found, " %"), name
+        assert complete.startswith(f"{100 * fmean(row.complete for row in found):g} % ("), name
+        assert taken == steps(found), name
+        assert paper == paper_text(code(name), CABLE, "default"), name
+        icd = rows["icd", CABLE, "default"]
+        assert compared == ("" if code(name) == "icd" else against(found, icd)), name
+    assert {agent for agent, *_ in rows} == agents
+
+
 def paper_text(agent: str, env: str, condition: str) -> str:
     result = paper_of(env, condition).get(agent)
     if result is None:
